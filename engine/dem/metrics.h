@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// What a run reports about itself: energies, work, penetration, contact events and failures.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+namespace verisim::dem {
+
+/// Summary of a run so far. Energies are those of the free bodies; potential energy is zero at the
+/// world's origin. Names follow `verisim simulate --json`.
+struct Metrics {
+  double max_penetration_m = 0;        // deepest overlap of any contact
+  double mean_penetration_m = 0;       // over all contacts of all steps
+  double energy_start_j = 0;           // kinetic + potential + elastic
+  double energy_end_j = 0;             //
+  double kinetic_energy_j = 0;         // at the end
+  double potential_energy_j = 0;       // at the end
+  double elastic_energy_j = 0;         // at the end
+  double damping_work_j = 0;           // taken out by the normal dashpots
+  double friction_work_j = 0;          // taken out by the tangential force
+  double outside_work_j = 0;           // put in by drag, prescribed motion and live edits
+  double energy_residual_rel = 0;      // |sum of the balance| / energy_scale_j
+  double energy_scale_j = 0;           // max kinetic + range of potential + max elastic
+  double momentum_residual_rel = 0;    // linear, over the sum of |impulse|
+  double angular_momentum_residual_rel = 0;  // about the origin, over the sum of |its impulse|
+  long num_particles = 0;
+  long max_contacts = 0;  // particle contacts at one time
+};
+
+enum class ContactChange { kBegin, kEnd };
+
+/// Two bodies, or a body and a plane, start or stop touching.
+struct ContactEvent {
+  ContactChange change = ContactChange::kBegin;
+  double time = 0;   // s
+  int body_a = -1;   // index in file order
+  int body_b = -1;   // > body_a; -1 if the other side is a plane
+  int plane = -1;    // index; -1 if the other side is a body
+  double speed = 0;  // m/s along the normal: of approach at the begin, of separation at the end
+};
+
+/// Why a run is not to be trusted. Codes: nonfinite, energy_gain, penetration, pass_through; and,
+/// where an expectation says so, toppled, sank, drifted, jitters.
+struct Failure {
+  std::string code;
+  std::string body;  // name; empty if no single body is to blame
+  long step = 0;     // steps done when it was seen
+  double time = 0;   // s
+  std::string message;
+};
+
+}  // namespace verisim::dem

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#include "scene/build_world.h"
+
+#include <bit>
+#include <cstdint>
+#include <map>
+
+#include "dem/defaults.h"
+#include "scene/problem.h"
+#include "shape/check_mesh.h"
+#include "shape/extents.h"
+#include "shape/fill_particles.h"
+#include "shape/load_mesh.h"
+#include "shape/mass_properties.h"
+#include "shape/primitives.h"
+
+namespace verisim::scene {
+namespace {
+
+constexpr int kSphereSubdivisions = 4;     // 5120 triangles: round at 1280x720
+constexpr double kParticlesPerExtent = 4;  // default particle size: a quarter of the body
+
+// A shape with everything bodies share that have it. Frame: body axes, origin at the centre of
+// mass.
+struct Solid {
+  shape::MassProperties mass;  // unit density
+  shape::Mesh mesh;
+  double smallest_extent = 0;              // m
+  std::vector<Eigen::Vector3d> particles;  // m
+  double particle_radius = 0;              // m
+};
+
+shape::Mesh load_solid_mesh(const ShapeSpec& spec) {
+  shape::Mesh mesh = shape::load_mesh(spec.mesh);
+  shape::require_solid(mesh, spec.mesh.string());
+  for (Eigen::Vector3d& vertex : mesh.vertices) vertex *= spec.scale;
+  return mesh;
+}
+
+void set_particles(shape::ParticleFill particles, Solid& solid) {
+  solid.particles = std::move(particles.centers);
+  solid.particle_radius = particles.radius;
+}
+
+Solid make_sphere(double radius) {
+  Solid solid;
+  solid.mass = shape::sphere_mass_properties(radius);
+  solid.mesh = shape::sphere_mesh(radius, kSphereSubdivisions);
+  solid.smallest_extent = 2 * radius;
+  solid.particles = {Eigen::Vector3d::Zero()};
+  solid.particle_radius = radius;
+  return solid;
+}
+
+Solid make_box(const Eigen::Vector3d& edges, const std::optional<double>& particle_size) {
+  Solid solid;
+  solid.mass = shape::box_mass_properties(edges);
+  solid.mesh = shape::box_mesh(edges);
+  solid.smallest_extent = edges.minCoeff();
+  const double size = particle_size.value_or(solid.smallest_extent / kParticlesPerExtent);
+  set_particles(shape::fill_box(edges, size), solid);
+  return solid;
+}
+
+Solid make_mesh_solid(const ShapeSpec& spec, const std::optional<double>& particle_size) {
+  Solid solid;
+  solid.mesh = load_solid_mesh(spec);
+  solid.mass = shape::mesh_mass_properties(solid.mesh);
+  solid.smallest_extent = shape::smallest_extent(solid.mesh);
+  const double size = particle_size.value_or(solid.smallest_extent / kParticlesPerExtent);
+  shape::ParticleFill particles = shape::fill_mesh(solid.mesh, size);
+  if (particles.centers.empty()) {
+    throw shape::MeshError("no particle of " + std::to_string(size) +
+                           " m has its centre inside; choose a smaller physics.particle_size_m");
+  }
+  for (Eigen::Vector3d& center : particles.centers) center -= solid.mass.center_of_mass;
+  for (Eigen::Vector3d& vertex : solid.mesh.vertices) vertex -= solid.mass.center_of_mass;
+  set_particles(std::move(particles), solid);
+  return solid;
+}
+
+Solid make_solid(const ShapeSpec& spec, const std::optional<double>& particle_size) {
+  switch (spec.kind) {
+    case ShapeKind::kSphere:
+      return make_sphere(spec.radius);
+    case ShapeKind::kBox:
+      return make_box(spec.box, particle_size);
+    case ShapeKind::kMesh:
+      break;
+  }
+  return make_mesh_solid(spec, particle_size);
+}
+
+std::string key_of(const ShapeSpec& spec) {
+  if (spec.kind == ShapeKind::kMesh) return spec.mesh.string() + "*" + std::to_string(spec.scale);
+  std::string key = spec.kind == ShapeKind::kBox ? "box" : "sphere";
+  for (double value : {spec.box.x(), spec.box.y(), spec.box.z(), spec.radius}) {
+    key += " " + std::to_string(std::bit_cast<std::uint64_t>(value));
+  }
+  return key;
+}
+
+dem::BodyDefinition body_definition(const Body& body, const Solid& solid, double density) {
+  dem::BodyDefinition definition;
+  definition.name = body.name;
+  definition.motion = body.motion;
+  definition.mass = density * solid.mass.volume;
+  definition.inertia_b = density * solid.mass.inertia;
+  definition.initial = body.initial;
+  definition.material = body.material;
+  definition.particle_offsets_b = solid.particles;
+  definition.particle_radius = solid.particle_radius;
+  definition.size = solid.smallest_extent;
+  definition.prescribed = body.prescribed;
+  return definition;
+}
+
+void choose_parameters(const Physics& physics, dem::WorldDefinition& world) {
+  world.integrator = physics.integrator;
+  world.seed = dem::default_seed_settings(world);
+  if (physics.stiffness) world.seed.stiffness = *physics.stiffness;
+  world.seed.damping_ratio = physics.damping_ratio;
+  world.seed.tangential_damping_ratio = physics.tangential_damping_ratio;
+  world.dt = physics.dt ? *physics.dt : dem::default_dt(world);
+}
+
+}  // namespace
+
+BuiltScene build_world(const Scene& scene) {
+  BuiltScene built;
+  std::vector<Problem> problems;
+  std::map<std::string, Solid> solids;
+  built.world.gravity = scene.gravity;
+  for (const Body& body : scene.bodies) {
+    const std::string key = key_of(body.shape);
+    if (!solids.contains(key)) {
+      try {
+        solids[key] = make_solid(body.shape, scene.physics.particle_size);
+      } catch (const shape::MeshError& error) {
+        problems.push_back({scene.file.string(), "bodies." + body.name + ".shape", error.what(),
+                            "a closed, solid shape", ""});
+        solids[key] = make_sphere(1);
+      } catch (const shape::FillError& error) {
+        problems.push_back({scene.file.string(), "bodies." + body.name + ".shape", error.what(),
+                            "particles that fit", "choose another physics.particle_size_m"});
+        solids[key] = make_sphere(1);
+      }
+    }
+    const Solid& solid = solids[key];
+    built.world.bodies.push_back(
+        body_definition(body, solid, scene.materials[body.material].density));
+    built.meshes.push_back(solid.mesh);
+  }
+  if (!problems.empty()) throw SceneError(std::move(problems));
+  if (scene.ground) {
+    built.world.planes.push_back(
+        {scene.ground->normal, scene.ground->offset, scene.ground->material});
+  }
+  choose_parameters(scene.physics, built.world);
+  return built;
+}
+
+}  // namespace verisim::scene

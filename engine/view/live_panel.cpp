@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: MIT
+// The panel of a scene that runs.
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/key_table.h"
+#include "scene/problem.h"
+#include "view/panel_parts.h"
+#include "view/save_scene.h"
+#include "view/view_error.h"
+
+namespace verisim::view {
+namespace {
+
+constexpr double kSlowerThanAsked = 0.9;  // of the speed chosen
+constexpr double kMaxRatio = 3;           // damping and friction sliders
+
+const scene::Key& physics_key(const std::string& name) {
+  const auto find = [](const std::vector<scene::Key>& keys,
+                       const std::string& wanted) -> const scene::Key& {
+    return *std::find_if(keys.begin(), keys.end(),
+                         [&](const scene::Key& key) { return key.name == wanted; });
+  };
+  return find(find(scene::scene_keys().children, "physics").children, name);
+}
+
+void apply(LiveScene& live, const std::string& path, const std::string& value, Effect effect,
+           Controls& controls) {
+  controls.problem = live.change(path, value, effect);
+  controls.note.clear();
+}
+
+// How a value is written on its slider.
+std::string slider_format(double value, const char* unit) {
+  return std::string(value >= 1000 && value < 1e6 ? "%.0f " : "%.4g ") + unit;
+}
+
+struct Slider {
+  const char* words;
+  const char* key;  // of physics
+  double low, high;
+  const char* unit;
+  ImGuiSliderFlags flags = ImGuiSliderFlags_NoRoundToFormat;
+};
+
+constexpr ImGuiSliderFlags kByPowers =
+    ImGuiSliderFlags_NoRoundToFormat | ImGuiSliderFlags_Logarithmic;
+
+bool move_slider(const Slider& slider, double& value) {
+  label(slider.words, physics_key(slider.key).description.c_str());
+  return ImGui::SliderScalar((std::string("##") + slider.key).c_str(), ImGuiDataType_Double, &value,
+                             &slider.low, &slider.high, slider_format(value, slider.unit).c_str(),
+                             slider.flags);
+}
+
+// Changes the run as the hand moves.
+void live_slider(LiveScene& live, const Slider& slider, double value, Controls& controls) {
+  if (!move_slider(slider, value)) return;
+  apply(live, std::string("physics.") + slider.key, number_text(value), Effect::kGoesOn, controls);
+}
+
+// Starts the scene again where the hand lets go; until then shows the hand's value.
+void restart_slider(LiveScene& live, const Slider& slider, double value, Controls& controls) {
+  std::optional<double>& held = controls.held_particle_size;
+  double shown = held.value_or(value);
+  if (move_slider(slider, shown)) held = shown;
+  if (!ImGui::IsItemDeactivated() || !held) return;
+  apply(live, std::string("physics.") + slider.key, number_text(*held), Effect::kRestarts,
+        controls);
+  held.reset();
+}
+
+void choice(LiveScene& live, const char* words, const std::string& key, const std::string& value,
+            Effect effect, Controls& controls) {
+  const scene::Key& described = physics_key(key);
+  label(words, described.description.c_str());
+  if (!ImGui::BeginCombo(("##" + key).c_str(), value.c_str())) return;
+  for (const std::string& name : described.choices) {
+    if (ImGui::Selectable(name.c_str(), name == value) && name != value) {
+      apply(live, "physics." + key, name, effect, controls);
+    }
+  }
+  ImGui::EndCombo();
+}
+
+void draw_transport(const LiveScene& live, Controls& controls) {
+  ImGui::BeginDisabled(live.stopped());
+  if (wide_button(controls.running ? "Pause" : "Run", 4)) controls.running = !controls.running;
+  ImGui::SameLine();
+  if (wide_button("Step", 4)) controls.step = true;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("One time step");
+  ImGui::SameLine();
+  if (wide_button("Frame", 4)) controls.step_frame = true;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("One frame of the clip");
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  if (wide_button("Restart", 4)) controls.restart = true;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Read the scene file again, from time 0");
+  draw_speed_row(controls);
+}
+
+void draw_readings(const LiveScene& live, const RateMeter& meter, const Controls& controls) {
+  if (!begin_readings()) return;
+  const dem::World& world = live.world();
+  reading("Time", text_of("%.3f s", world.time));
+  if (controls.running && !live.stopped()) {
+    const double factor = meter.real_time_factor();
+    const bool is_slow = factor < kSlowerThanAsked * controls.time_scale();
+    reading("Real time", text_of(is_slow ? "%.2f x - slower than asked" : "%.2f x", factor),
+            is_slow ? &kWarning : nullptr);
+  } else {
+    reading("Real time", live.stopped() ? "stopped" : "paused");
+  }
+  reading("Frame rate", text_of("%.0f / s", meter.frames_per_second()));
+  reading("Particles", std::to_string(world.particles.count()));
+  reading("Contacts", std::to_string(live.report().num_contacts));
+  reading("Deepest overlap", text_of("%.3g mm", 1000 * live.report().max_overlap));
+  ImGui::EndTable();
+}
+
+void draw_gravity(LiveScene& live, Controls& controls) {
+  constexpr double kLow = -20, kHigh = 20;  // m/s^2
+  Eigen::Vector3d gravity = live.world().parameters.gravity;
+  label("Gravity", "Gravity x, y, z, m/s2. Ctrl-click to type.");
+  if (ImGui::DragScalarN("##gravity", ImGuiDataType_Double, gravity.data(), 3, 0.05F, &kLow, &kHigh,
+                         "%.2f")) {
+    apply(live, "gravity_m_s2",
+          "[" + number_text(gravity.x()) + ", " + number_text(gravity.y()) + ", " +
+              number_text(gravity.z()) + "]",
+          Effect::kGoesOn, controls);
+  }
+}
+
+void draw_physics(LiveScene& live, const Ranges& ranges, Controls& controls) {
+  heading("Physics");
+  draw_gravity(live, controls);
+  const dem::Parameters& now = live.world().parameters;
+  live_slider(
+      live,
+      {"Stiffness", "stiffness_n_m", ranges.stiffness_low, ranges.stiffness_high, "N/m", kByPowers},
+      now.seed.stiffness, controls);
+  live_slider(live, {"Damping ratio", "damping_ratio", 0, kMaxRatio, ""}, now.seed.damping_ratio,
+              controls);
+  live_slider(live, {"Friction ratio", "tangential_damping_ratio", 0, kMaxRatio, ""},
+              now.seed.tangential_damping_ratio, controls);
+  live_slider(live, {"Time step", "dt_s", ranges.dt_low, ranges.dt_high, "s", kByPowers}, now.dt,
+              controls);
+  choice(live, "Integrator", "integrator", std::string(dem::to_string(now.integrator)),
+         Effect::kGoesOn, controls);
+  ImGui::TextDisabled("These start the scene again, from time 0:");
+  if (ranges.particle_size_high > 0) {
+    const auto& size = live.scene().physics.particle_size;
+    restart_slider(live,
+                   {"Particle size", "particle_size_m", ranges.particle_size_low,
+                    ranges.particle_size_high, size ? "m" : "m (chosen)", kByPowers},
+                   size.value_or(ranges.particle_size_high / 4), controls);
+  }
+  choice(live, "Method", "method", live.scene().physics.method, Effect::kRestarts, controls);
+}
+
+void save(LiveScene& live, Controls& controls) {
+  controls.note.clear();
+  controls.problem.clear();
+  try {
+    const auto file = save_scene(live.scene().file, live.changes().overrides());
+    controls.note = "Saved " + file.filename().string();
+  } catch (const scene::SceneError& error) {
+    controls.problem = error.what();
+  } catch (const ViewError& error) {
+    controls.problem = error.what();
+  }
+}
+
+void draw_changes(LiveScene& live, Controls& controls) {
+  heading("Changed");
+  const std::string line = live.changes().command_line();
+  ImGui::PushTextWrapPos(0);
+  if (line.empty()) {
+    ImGui::TextDisabled("Nothing yet. What you change appears here, ready for the command line.");
+  } else {
+    ImGui::TextUnformatted(live.changes().lines().c_str());
+  }
+  ImGui::PopTextWrapPos();
+  ImGui::BeginDisabled(line.empty());
+  if (wide_button("Copy", 3)) {
+    ImGui::SetClipboardText(line.c_str());
+    controls.note = "Copied";
+  }
+  ImGui::SameLine();
+  if (wide_button("Save scene", 3)) save(live, controls);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("To a new file beside the scene");
+  ImGui::SameLine();
+  if (wide_button("Undo", 3)) controls.problem = live.undo_changes();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Back to the start, from time 0");
+  ImGui::EndDisabled();
+}
+
+}  // namespace
+
+Ranges ranges_of(const scene::BuiltScene& built) {
+  constexpr double kDecades = 1000, kSteps = 30, kFinest = 10;
+  Ranges ranges{built.world.seed.stiffness / kDecades,
+                built.world.seed.stiffness * kDecades,
+                built.world.dt / kSteps,
+                built.world.dt * kSteps,
+                0,
+                0};
+  for (const dem::BodyDefinition& body : built.world.bodies) {
+    if (body.particle_offsets_b.size() <= 1) continue;  // a ball is one particle whatever is set
+    const double high = ranges.particle_size_high;
+    ranges.particle_size_high = high > 0 ? std::min(high, body.size) : body.size;
+  }
+  ranges.particle_size_low = ranges.particle_size_high / kFinest;
+  return ranges;
+}
+
+void draw_live_panel(const Fonts& fonts, LiveScene& live, const RateMeter& meter,
+                     const Ranges& ranges, Controls& controls) {
+  begin_side_panel(fonts, live.scene().name);
+  draw_transport(live, controls);
+  draw_readings(live, meter, controls);
+  draw_view_controls(controls);
+  draw_physics(live, ranges, controls);
+  draw_changes(live, controls);
+  draw_messages(controls);
+  ImGui::End();
+}
+
+}  // namespace verisim::view

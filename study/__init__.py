@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Studies: the server that shows clips and keeps answers, its page, and the export."""

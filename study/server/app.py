@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: MIT
+"""The HTTP interface: each route names its body and the work that the writer does with it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.responses import JSONResponse
+from sqlalchemy import Connection, Engine
+from sqlalchemy.dialects.sqlite import insert as insert_or
+from starlette.exceptions import HTTPException
+from starlette.types import ASGIApp
+
+from verisim.study.server import answers, bodies, tables
+from verisim.study.server.api_error import ApiError
+from verisim.study.server.database import utc_now
+from verisim.study.server.enrolment import choose_source, enrol, hash_token
+from verisim.study.server.guard import Guard
+from verisim.study.server.open_study import OpenStudy
+from verisim.study.server.pages import add_pages
+from verisim.study.server.position import next_step
+from verisim.study.server.reply import Reply
+from verisim.study.server.submissions import Caller, Post, find_caller
+from verisim.study.server.writer import Work, Writer
+
+READY_S = 2.0
+MAX_TOKEN_CHARS = 100
+SIMULATED_NOTICE = (
+    "This server is run for scripted raters. Answers that carry its key are marked as simulated."
+)
+
+# What the writer does with a participant's body: (connection, study, caller, post, body) → reply.
+Store = Callable[[Connection, OpenStudy, Caller, Post, Any], Reply]
+POSTS: dict[str, tuple[type[bodies.Body], Store]] = {
+    "consent": (bodies.ConsentBody, answers.store_consent),
+    "instructions": (bodies.InstructionsBody, answers.store_instructions),
+    "trials": (bodies.TrialBody, answers.store_trial),
+    "presentations": (bodies.PresentationBody, answers.store_presentation),
+    "events": (bodies.EventsBody, answers.store_events),
+}
+
+
+@dataclass(frozen=True)
+class Serving:
+    """What the routes work with."""
+
+    opened: OpenStudy
+    writer: Writer
+    reader: Engine
+    source_default: str
+    simulate_key: str | None
+
+
+def create_app(serving: Serving) -> ASGIApp:
+    """Returns the application. It owns writer and reader and closes them at its end."""
+
+    @asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        yield
+        await asyncio.to_thread(serving.writer.close)
+        serving.reader.dispose()
+
+    app = FastAPI(lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
+    add_error_forms(app)
+    add_health(app, serving)
+    add_api(app, serving)
+    clips = serving.opened.stimulus_set
+    add_pages(app, {stimulus.sha256: clips.clip_path(stimulus) for stimulus in clips.stimuli})
+    return Guard(app)
+
+
+def add_error_forms(app: FastAPI) -> None:
+    """Every error leaves in one form."""
+
+    @app.exception_handler(ApiError)
+    async def api_error(_request: Request, error: Exception) -> JSONResponse:
+        assert isinstance(error, ApiError)
+        headers = {"retry-after": "1"} if error.status in (429, 503, 507) else None
+        return JSONResponse(error.body(), error.status, headers)
+
+    @app.exception_handler(HTTPException)
+    async def http_error(_request: Request, error: Exception) -> JSONResponse:
+        assert isinstance(error, HTTPException)
+        named = ApiError(error.status_code, "not_found", str(error.detail), "see the HTTP contract")
+        return JSONResponse(named.body(), error.status_code)
+
+    @app.exception_handler(Exception)
+    async def unexpected(_request: Request, _error: Exception) -> JSONResponse:
+        hidden = ApiError(500, "internal", "the server made a mistake", "tell the person in charge")
+        return JSONResponse(hidden.body(), 500)
+
+
+def add_health(app: FastAPI, serving: Serving) -> None:
+    @app.get("/healthz")
+    async def healthz() -> dict[str, str]:
+        return {"status": "alive"}
+
+    @app.get("/readyz")
+    async def readyz() -> dict[str, str]:
+        def beat(connection: Connection) -> None:
+            row = {"heartbeat_id": 1, "at_utc": utc_now()}
+            upsert = insert_or(tables.heartbeat).values(row)
+            connection.execute(upsert.on_conflict_do_update(set_=row))
+
+        try:
+            await asyncio.wait_for(committed(serving.writer, beat), READY_S)
+        except TimeoutError as error:
+            raise ApiError(503, "busy", "the database takes no writes just now") from error
+        return {"status": "ready"}
+
+
+def add_api(app: FastAPI, serving: Serving) -> None:
+    @app.get("/api/study")
+    def study(lang: str = "") -> dict[str, Any]:
+        return describe_study(serving, lang)
+
+    @app.get("/api/next")
+    def step(request: Request) -> dict[str, Any]:
+        token = read_token(request)
+        with serving.reader.begin() as connection:
+            return next_step(connection, serving.opened, find_caller(connection, token))
+
+    @app.post("/api/sessions")
+    async def sessions(request: Request) -> JSONResponse:
+        body = bodies.parse_body(bodies.SessionBody, await request.body())
+        source = choose_source(body, serving.source_default, serving.simulate_key)
+        work = partial(enrol, opened=serving.opened, body=body, source=source)
+        return respond(await committed(serving.writer, work))
+
+    def add_post(kind: str, model: type[bodies.Body], store: Store) -> None:
+        @app.post(f"/api/{kind}", name=kind)
+        async def post(request: Request) -> JSONResponse:
+            token = read_token(request)
+            raw = await request.body()
+            body = bodies.parse_body(model, raw)
+            posted = Post(body.submission_id, kind, raw)
+
+            def work(connection: Connection) -> Reply:
+                caller = find_caller(connection, token)
+                return store(connection, serving.opened, caller, posted, body)
+
+            return respond(await committed(serving.writer, work))
+
+    for kind, (model, store) in POSTS.items():
+        add_post(kind, model, store)
+
+
+async def committed(writer: Writer, work: Work) -> Any:
+    """Waits until the work is on the disk and returns its result."""
+    return await asyncio.wrap_future(writer.submit(work))
+
+
+def respond(reply: Reply) -> JSONResponse:
+    return JSONResponse(reply.body, reply.status)
+
+
+def read_token(request: Request) -> str:
+    """Returns the hash of the bearer token. Raises ApiError 401 where there is none."""
+    scheme, _, token = request.headers.get("authorization", "").partition(" ")
+    if scheme.lower() != "bearer" or not token or len(token) > MAX_TOKEN_CHARS:
+        raise ApiError(401, "no_token", "no token was sent", "open a session: POST /api/sessions")
+    return hash_token(token)
+
+
+def describe_study(serving: Serving, wanted: str) -> dict[str, Any]:
+    """Returns the answer of GET /api/study in the wanted language, else in the study's first."""
+    study = serving.opened.study
+    language = wanted if wanted in study.languages else study.languages[0]
+    consent = study.consent[language]
+    roles: Mapping[str, int] = {
+        role: sum(s.role == role for s in serving.opened.stimulus_set.stimuli)
+        for role in ("practice", "test", "catch")
+    }
+    return {
+        "name": study.name,
+        "title": study.title,
+        "languages": study.languages,
+        "language": language,
+        "consent": {"version": consent.version, "sha256": consent.sha256, "html": consent.html},
+        "instructions_html": study.instructions[language].html,
+        "thanks_html": study.thanks[language].html,
+        "trial": {
+            "layout": study.trial.layout,
+            "lock": study.trial.lock,
+            "replays": study.trial.replays,
+            "fixation_ms": study.trial.fixation_ms,
+            "rest_every": study.trial.rest_every,
+        },
+        "num_trials": roles["test"] + roles["catch"],
+        "num_practice": roles["practice"],
+        "simulated_notice": SIMULATED_NOTICE if serving.simulate_key is not None else None,
+        "questions": [
+            {
+                "key": question.key,
+                "kind": question.kind,
+                "prompt": question.prompt[language],
+                "optional": question.optional,
+                **question.page_fields(language),
+            }
+            for question in study.questions
+        ],
+    }

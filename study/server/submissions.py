@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+"""The raw log of accepted POSTs, which makes a repeated one harmless, and who sent it."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+from sqlalchemy import Connection, insert, select, update
+
+from verisim.study.server import tables
+from verisim.study.server.api_error import ApiError
+from verisim.study.server.database import utc_now
+from verisim.study.server.reply import DUPLICATE, STORED, Reply
+
+
+@dataclass(frozen=True)
+class Caller:
+    """The session that a token belongs to."""
+
+    session_id: str
+    participant_id: str
+    state: str  # of the participant
+    completion_code: str
+
+
+@dataclass(frozen=True)
+class Post:
+    """An accepted body on its way into the log."""
+
+    submission_id: str
+    kind: str
+    raw: bytes
+
+
+def find_caller(connection: Connection, token_sha256: str) -> Caller:
+    """Returns whose token this is. Raises ApiError 401 for an unknown one."""
+    session, participant = tables.session.c, tables.participant.c
+    row = connection.execute(
+        select(
+            session.session_id,
+            session.participant_id,
+            participant.state,
+            participant.completion_code,
+        )
+        .join_from(tables.session, tables.participant)
+        .where(session.token_sha256 == token_sha256)
+    ).first()
+    if row is None:
+        raise ApiError(401, "bad_token", "this token is not known", "open a new session")
+    return Caller(*row)
+
+
+def answer_of_earlier(connection: Connection, caller: Caller, post: Post) -> Reply | None:
+    """Returns the reply to a submission that has been accepted before, None for a new one."""
+    log = tables.submission.c
+    row = connection.execute(
+        select(log.session_id, log.kind, log.outcome, log.body_sha256).where(
+            log.submission_id == post.submission_id
+        )
+    ).first()
+    if row is None:
+        return None
+    if row.session_id != caller.session_id:
+        raise ApiError(409, "submission_id_taken", "this submission_id is in use", "use a new one")
+    if row.kind != post.kind or row.body_sha256 != sha256(post.raw):
+        raise ApiError(
+            409,
+            "submission_id_reused",
+            "another body was sent under this submission_id",
+            "use a new submission_id for each new body",
+        )
+    return DUPLICATE if row.outcome == "stored" else already_answered()
+
+
+def accept(connection: Connection, caller: Caller, post: Post, outcome: str = "stored") -> Reply:
+    """Logs a body and that its sender was here."""
+    now = utc_now()
+    record_submission(
+        connection, caller.session_id, post.submission_id, post.kind, post.raw, outcome, now
+    )
+    connection.execute(
+        update(tables.session)
+        .where(tables.session.c.session_id == caller.session_id)
+        .values(last_seen_utc=now)
+    )
+    return STORED if outcome == "stored" else already_answered()
+
+
+def record_submission(
+    connection: Connection,
+    session_id: str,
+    submission_id: str,
+    kind: str,
+    raw: bytes,
+    outcome: str,
+    now: str,
+) -> None:
+    connection.execute(
+        insert(tables.submission).values(
+            submission_id=submission_id,
+            session_id=session_id,
+            kind=kind,
+            outcome=outcome,
+            body=raw.decode(),
+            body_sha256=sha256(raw),
+            received_utc=now,
+        )
+    )
+
+
+def already_answered() -> Reply:
+    """The first answer stands; the later body is in the log, so this is a reply, not a rollback."""
+    error = ApiError(
+        409,
+        "already_answered",
+        "this was answered before; the first answer stands",
+        "go on with GET /api/next",
+    )
+    return Reply(error.status, error.body())
+
+
+def sha256(raw: bytes) -> str:
+    return hashlib.sha256(raw).hexdigest()

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: MIT
+"""Short clips, a real server with its database, and a real browser."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, sync_playwright
+from study_site import NUM_FRAMES, WEB, StudyServer, Visit
+
+QUIET = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+@pytest.fixture(scope="session")
+def page_build() -> Path:
+    """The page, built from its sources as they are now."""
+    assert (WEB / "node_modules").is_dir(), "run `npm ci` in study/web first"
+    subprocess.run(["npm", "run", "-s", "build"], cwd=WEB, check=True, capture_output=True)
+    return WEB
+
+
+@pytest.fixture(scope="session")
+def clips(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A stimulus directory: one practice clip, three test clips, one catch clip; 0.5 s, 320x180."""
+    directory = tmp_path_factory.mktemp("clips")
+    rows = []
+    for i, role in enumerate(["practice", "test", "test", "test", "catch"]):
+        file = directory / f"clip_{i}.mp4"
+        source = f"testsrc2=size=320x180:rate=60:duration={NUM_FRAMES / 60}"
+        command = f"ffmpeg -v error -f lavfi -i {source} -vf hue=h={60 * i} -c:v libx264 "
+        command += f"-pix_fmt yuv420p -movflags +faststart {file}"
+        subprocess.run(command.split(), check=True)
+        sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
+        file.with_suffix(".json").write_text(json.dumps({"video_sha256": sha256}))
+        rows.append(
+            {
+                "stimulus": f"clip_{i}",
+                "scene": f"scene_{i}",
+                "role": role,
+                "method": "seed",
+                "seed": 1,
+                "reference": "",
+                "file": file.name,
+                "sha256": sha256,
+                "num_bytes": file.stat().st_size,
+                "width_px": 320,
+                "height_px": 180,
+                "frame_rate_hz": 60,
+                "num_frames": NUM_FRAMES,
+                "duration_s": NUM_FRAMES / 60,
+                "content_key": f"key_{i}",
+            }
+        )
+    with (directory / "manifest.csv").open("w", newline="") as manifest:
+        writer = csv.DictWriter(manifest, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    (directory / "set.json").write_text(json.dumps({"name": "mini"}))
+    return directory
+
+
+@pytest.fixture
+def study_server(tmp_path: Path, clips: Path, page_build: Path) -> Iterator[StudyServer]:
+    del page_build
+    server = StudyServer(tmp_path, clips)
+    server.start()
+    yield server
+    server.kill()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=QUIET)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def visit(browser: Browser, study_server: StudyServer) -> Iterator[Visit]:
+    """A fresh profile at 1280x720."""
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    yield Visit(context, study_server)
+    context.close()

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""A participant at the page: reads screens, watches clips, answers, remembers what was answered."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from playwright.sync_api import Page
+
+FORM = "form.questions:not(.is-saving):not([inert])"
+TEXT_SCREEN = ".jspsych-btn-group-flex button:enabled"
+
+
+class Participant:
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.given: list[dict[str, Any]] = []
+
+    def press(self, name: str) -> None:
+        self.page.get_by_role("button", name=name).click()
+
+    def wait_for_heading(self, text: str) -> None:
+        self.page.get_by_role("heading", name=text).wait_for()
+
+    def wait_for_questions(self) -> None:
+        self.page.locator(FORM).wait_for()
+        self.page.locator(".stage").wait_for(state="detached")
+
+    def wait_for_clip(self) -> None:
+        """Returns while a clip plays."""
+        self.page.locator(".stage video").evaluate(
+            """(video) => new Promise((resolve) => {
+                const look = () => video.currentTime > 0 ? resolve() : requestAnimationFrame(look);
+                look();
+            })"""
+        )
+
+    def come_to_first_clip(self) -> None:
+        self.press("I agree to take part")
+        self.press("Begin")
+        self.wait_for_heading("Practice first")
+        self.press("Continue")
+
+    def come_to_questions(self) -> None:
+        self.come_to_first_clip()
+        self.wait_for_questions()
+
+    def answer(self, i: int) -> None:
+        """Fills the form with answers that differ from trial to trial."""
+        chosen: dict[str, Any] = {
+            "realism": 1 + i % 7,
+            "speed": 1 + (i + 2) % 5,
+            "fun": 10 * ((i + 3) % 10),
+        }
+        for key in ("realism", "speed"):
+            self.page.locator(f"[name=answer-{key}][value='{chosen[key]}']").check()
+        self.page.get_by_role("slider").press(str(chosen["fun"] // 10))
+        if i % 2:
+            chosen["why"] = f"Comment {i}: ça glisse 🦊\nsecond line"
+            self.page.get_by_role("textbox").fill(chosen["why"])
+        self.given.append(chosen)
+
+    def submit(self) -> None:
+        self.press("Continue")
+        self.page.locator(FORM).wait_for(state="detached")
+
+    def wait_for_screen(self) -> str:
+        """Waits for the next screen that wants something: 'questions', 'text' or 'thanks'."""
+        screens = {"questions": FORM, "text": TEXT_SCREEN, "thanks": ".code"}
+        self.page.locator(", ".join(screens.values())).first.wait_for()
+        return next(name for name, it in screens.items() if self.page.locator(it).count())
+
+    def finish(self, first: int = 0) -> str:
+        """Answers everything that comes and returns the completion code."""
+        i = first
+        while (screen := self.wait_for_screen()) != "thanks":
+            if screen == "text":
+                self.press("Continue")
+                self.page.locator(TEXT_SCREEN).wait_for(state="detached")
+            else:
+                self.answer(i)
+                self.submit()
+                i += 1
+        return self.page.locator(".code").inner_text()
+
+    def num_undelivered(self) -> int:
+        """Letters in the browser's outbox."""
+        count = """() => new Promise((resolve) => {
+            const opening = indexedDB.open('verisim outbox mini');
+            opening.onsuccess = () => {
+                const db = opening.result;
+                const counting = db.transaction('letters').objectStore('letters').count();
+                counting.onsuccess = () => { db.close(); resolve(counting.result); };
+            };
+        })"""
+        return int(self.page.evaluate(count))
