@@ -54,7 +54,7 @@ nb::dict info_dict(const clip::ClipInfo& info, const clip::EncoderOptions& encod
   return d;
 }
 
-nb::dict render_clip(const scene::Scene& scene, const Times& times, const Arrays& positions,
+nb::typed<nb::dict, nb::str, nb::object> render_clip(const scene::Scene& scene, const Times& times, const Arrays& positions,
                      const Arrays& orientations, const std::string& output, int width, int height,
                      const std::string& profile, const std::string& gl, const std::string& show,
                      int raster_threads, const nb::object& progress) {

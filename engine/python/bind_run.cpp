@@ -200,7 +200,9 @@ void bind_run(nb::module_& m) {
       [](const scene::Scene& scene) { dem::make_world(scene::build_world(scene).world); },
       nb::arg("scene"));
   m.def("simulate", &simulate, nb::arg("scene"), nb::arg("sample_interval_s").none(),
-        nb::arg("num_threads"), nb::arg("progress").none());
+        nb::arg("num_threads"), nb::arg("progress").none(),
+        nb::sig("def simulate(scene: Scene, sample_interval_s: float | None, num_threads: int, "
+                "progress: object | None) -> typing.Any"));
 }
 
 }  // namespace verisim::python
