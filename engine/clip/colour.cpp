@@ -7,6 +7,8 @@
 #include <cstring>
 #include <vector>
 
+#include "clip/vector_clones.h"
+
 namespace verisim::clip {
 namespace {
 
@@ -27,6 +29,7 @@ constexpr std::int32_t kUr = fixed(-kRed * kToU), kUb = fixed((1 - kBlue) * kToU
                        kUg = -kUr - kUb;  // greys stay exactly grey
 constexpr std::int32_t kVr = fixed((1 - kRed) * kToV), kVb = fixed(-kBlue * kToV), kVg = -kVr - kVb;
 
+VERISIM_VECTOR_CLONES
 void convert_luma_row(const std::uint32_t* pixels, int width, std::uint8_t* y) {
   for (int x = 0; x < width; ++x) {
     const std::int32_t r = pixels[x] & 0xff, g = pixels[x] >> 8 & 0xff, b = pixels[x] >> 16 & 0xff;
@@ -35,7 +38,8 @@ void convert_luma_row(const std::uint32_t* pixels, int width, std::uint8_t* y) {
   }
 }
 
-/// upper, lower: two rows of pixels. sums: room for half a row of each channel.
+/// upper, lower: two rows of pixels; u, v: half a row each.
+VERISIM_VECTOR_CLONES
 void convert_chroma_row(const std::uint32_t* upper, const std::uint32_t* lower, int half_width,
                         std::uint8_t* u, std::uint8_t* v) {
   constexpr int kShift4 = kShift + 2;  // the sum of four pixels is divided by four at the end

@@ -8,6 +8,7 @@
 #include "clip/clip_error.h"
 #include "clip/decode.h"
 #include "clip/frame_queue.h"
+#include "clip/vector_clones.h"
 #include "render/renderer.h"
 
 namespace verisim::clip {
@@ -27,6 +28,7 @@ void check_bodies(const render::VisualScene& scene, const dem::PoseLog& log) {
   }
 }
 
+VERISIM_VECTOR_CLONES
 std::int64_t count_clipped_pixels(std::span<const std::uint8_t> rgba) {
   std::int64_t count = 0;
   for (std::size_t i = 0; i < rgba.size(); i += 4) {

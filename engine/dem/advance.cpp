@@ -8,12 +8,6 @@
 namespace verisim::dem {
 namespace {
 
-Eigen::Vector3d spin_of(const Bodies& bodies, int b, const Eigen::Vector3d& angular_momentum) {
-  const double all_axes = bodies.inverse_inertia_all_axes[b];
-  if (all_axes > 0) return all_axes * angular_momentum;
-  return angular_velocity_of(bodies.inverse_inertia_b[b], bodies.orientation[b], angular_momentum);
-}
-
 /// Mean velocities during a kick.
 struct MeanMotion {
   Eigen::Vector3d velocity;  // m/s
@@ -27,13 +21,11 @@ double power(const Wrenches& wrenches, int b, const MeanMotion& mean) {
 MeanMotion kick_free(Bodies& bodies, int b, double duration) {
   Eigen::Vector3d& velocity = bodies.linear_velocity[b];
   Eigen::Vector3d& spin = bodies.angular_velocity[b];
-  MeanMotion mean{velocity, spin};
-  velocity += (duration / bodies.mass[b]) * bodies.total.force[b];
+  const Eigen::Vector3d velocity_before = velocity, spin_before = spin;
+  velocity += (duration * bodies.inverse_mass[b]) * bodies.total.force[b];
   bodies.angular_momentum[b] += duration * bodies.total.torque[b];
-  spin = spin_of(bodies, b, bodies.angular_momentum[b]);
-  mean.velocity = 0.5 * (mean.velocity + velocity);
-  mean.spin = 0.5 * (mean.spin + spin);
-  return mean;
+  spin = angular_velocity_of(bodies, b);
+  return {0.5 * (velocity_before + velocity), 0.5 * (spin_before + spin)};
 }
 
 void turn(Bodies& bodies, int b, Integrator integrator, double duration) {
@@ -47,9 +39,7 @@ void turn(Bodies& bodies, int b, Integrator integrator, double duration) {
   } else {
     q = turn_by_rkmk4(q, bodies.inverse_inertia_b[b], bodies.angular_momentum[b], duration);
   }
-  if (!is_same_on_all_axes) {
-    bodies.angular_velocity[b] = spin_of(bodies, b, bodies.angular_momentum[b]);
-  }
+  if (!is_same_on_all_axes) bodies.angular_velocity[b] = angular_velocity_of(bodies, b);
 }
 
 void follow_path(Bodies& bodies, int b, double time) {
@@ -63,55 +53,58 @@ void follow_path(Bodies& bodies, int b, double time) {
       (bodies.inertia_b[b] * (pose.orientation.conjugate() * pose.angular_velocity));
 }
 
-}  // namespace
-
-void kick(World& world, double duration) {
-  Bodies& bodies = world.bodies;
-  Balance& balance = world.balance;
-  const int dragged = world.drag ? world.drag->body : -1;
-  const BodySums done = sum_over_bodies(
-      balance.body_blocks, bodies.count(), *world.pool, [&](BodySums& sums, int begin, int end) {
-        for (int b = begin; b < end; ++b) {
-          if (bodies.motion[b] == Motion::kFixed) continue;
-          const bool is_free = bodies.motion[b] == Motion::kFree;
-          const MeanMotion mean =
-              is_free ? kick_free(bodies, b, duration)
-                      : MeanMotion{bodies.linear_velocity[b], bodies.angular_velocity[b]};
-          sums.damping_work -= duration * power(bodies.damping, b, mean);
-          sums.friction_work -= duration * power(bodies.friction, b, mean);
-          // Who moves a body along a path does the work that its contacts take from it.
-          sums.outside_work += is_free ? duration * power(bodies.outside, b, mean)
-                                       : -duration * power(bodies.total, b, mean);
-          if (b == dragged) {
-            sums.outside_work += duration * (world.drag_force.dot(mean.velocity) +
-                                             world.drag_torque.dot(mean.spin));
-          }
-        }
-      });
-  balance.damping_work += done.damping_work;
-  balance.friction_work += done.friction_work;
-  balance.outside_work += done.outside_work;
-  balance.impulse += duration * balance.loads.force;
-  balance.angular_impulse += duration * balance.loads.torque;
-  balance.impulse_size += duration * balance.loads.force_size;
-  balance.angular_impulse_size += duration * balance.loads.torque_size;
+void drift(Bodies& bodies, int begin, int end, Integrator integrator, double duration,
+           double time_after) {
+  for (int b = begin; b < end; ++b) {
+    if (bodies.motion[b] == Motion::kFree) {
+      bodies.position[b] += duration * bodies.linear_velocity[b];
+      turn(bodies, b, integrator, duration);
+    } else if (bodies.motion[b] == Motion::kPrescribed) {
+      follow_path(bodies, b, time_after);
+    }
+  }
 }
 
-void drift(World& world, double duration) {
+}  // namespace
+
+void kick(World& world, int begin, int end, double duration, BodySums& sums) {
   Bodies& bodies = world.bodies;
-  const Integrator integrator = world.parameters.integrator;
-  const double time = world.time + duration;
-  world.pool->run_ranges(bodies.count(), kBodyBlock, [&](int begin, int end) {
-    for (int b = begin; b < end; ++b) {
-      if (bodies.motion[b] == Motion::kFree) {
-        bodies.position[b] += duration * bodies.linear_velocity[b];
-        turn(bodies, b, integrator, duration);
-      } else if (bodies.motion[b] == Motion::kPrescribed) {
-        follow_path(bodies, b, time);
-      }
+  double damping_work = 0, friction_work = 0, outside_work = 0;
+  for (int b = begin; b < end; ++b) {
+    if (bodies.motion[b] == Motion::kFixed) continue;
+    if (bodies.motion[b] == Motion::kPrescribed) {
+      const MeanMotion motion{bodies.linear_velocity[b], bodies.angular_velocity[b]};
+      damping_work -= duration * power(bodies.damping, b, motion);
+      friction_work -= duration * power(bodies.friction, b, motion);
+      // Who moves a body along a path does the work that its contacts take from it.
+      outside_work -= duration * power(bodies.total, b, motion);
+      continue;
     }
-  });
-  world.time = time;
+    const MeanMotion mean = kick_free(bodies, b, duration);
+    damping_work -= duration * power(bodies.damping, b, mean);
+    friction_work -= duration * power(bodies.friction, b, mean);
+    if (world.has_outside_wrench) outside_work += duration * power(bodies.outside, b, mean);
+    if (world.drag && world.drag->body == b) {
+      outside_work += duration * (world.drag_force.dot(mean.velocity) +
+                                  world.drag_torque.dot(mean.spin));
+    }
+  }
+  sums.damping_work += damping_work;
+  sums.friction_work += friction_work;
+  sums.outside_work += outside_work;
+}
+
+void move_bodies(World& world, double kick_duration, double drift_duration) {
+  const double time_after = world.time + drift_duration;
+  book_impulse(world.balance, kick_duration);
+  const BodySums done = sum_over_bodies(
+      world.balance.body_blocks, world.bodies.count(), *world.pool,
+      [&](BodySums& sums, int begin, int end) {
+        kick(world, begin, end, kick_duration, sums);
+        drift(world.bodies, begin, end, world.parameters.integrator, drift_duration, time_after);
+      });
+  book_work(world.balance, done);
+  world.time = time_after;
 }
 
 }  // namespace verisim::dem

@@ -6,13 +6,13 @@
 
 namespace verisim::dem {
 
-/// Lets the present loads act for `duration` (s) and books their work and impulse.
-/// Work is the load times the mean of the velocities before and after: with that, a kick's change
-/// of kinetic energy is split exactly, and the balance closes as dt falls.
-void kick(World& world, double duration);
+/// Lets the present loads act on bodies [begin, end) for `duration` (s) and adds their work to
+/// `sums`. Work is the load times the mean of the velocities before and after: with that, a kick's
+/// change of kinetic energy is split exactly, and the balance closes as dt falls.
+void kick(World& world, int begin, int end, double duration, BodySums& sums);
 
-/// Moves and turns every body for `duration` (s) at its present momenta; prescribed bodies go to
-/// where their path has them at the new time.
-void drift(World& world, double duration);
+/// Kicks all bodies for `kick_duration`, then moves and turns them for `drift_duration` at their
+/// new momenta; prescribed bodies go to where their path has them at the new time.
+void move_bodies(World& world, double kick_duration, double drift_duration);
 
 }  // namespace verisim::dem

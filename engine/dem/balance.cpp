@@ -29,34 +29,61 @@ void BodySums::add(const BodySums& other) {
   force_size += other.force_size;
   torque_size += other.torque_size;
   centring_energy += other.centring_energy;
+  if (unusable_body < 0) unusable_body = other.unusable_body;
 }
 
-void audit(Balance& balance, const Bodies& bodies, const Eigen::Vector3d& gravity,
-           ThreadPool& pool) {
-  const BodySums now = sum_over_bodies(
-      balance.body_blocks, bodies.count(), pool, [&](BodySums& sums, int begin, int end) {
-        for (int b = begin; b < end; ++b) {
-          if (bodies.motion[b] != Motion::kFree) continue;
-          const Eigen::Vector3d& v = bodies.linear_velocity[b];
-          const Eigen::Vector3d& spin_momentum = bodies.angular_momentum[b];
-          const Eigen::Vector3d momentum = bodies.mass[b] * v;
-          sums.kinetic_energy +=
-              0.5 * (momentum.dot(v) + spin_momentum.dot(bodies.angular_velocity[b]));
-          sums.potential_energy -= bodies.mass[b] * gravity.dot(bodies.position[b]);
-          sums.momentum += momentum;
-          sums.angular_momentum += bodies.position[b].cross(momentum) + spin_momentum;
-        }
-      });
+void audit(const Bodies& bodies, int begin, int end, const Eigen::Vector3d& gravity,
+           BodySums& sums) {
+  double kinetic_energy = 0, potential_energy = 0;
+  Eigen::Vector3d total_momentum = Eigen::Vector3d::Zero(), total_angular = total_momentum;
+  for (int b = begin; b < end; ++b) {
+    if (bodies.motion[b] != Motion::kFree) continue;
+    const Eigen::Vector3d& v = bodies.linear_velocity[b];
+    const Eigen::Vector3d& angular_momentum = bodies.angular_momentum[b];
+    const Eigen::Vector3d momentum = bodies.mass[b] * v;
+    kinetic_energy += 0.5 * (momentum.dot(v) + angular_momentum.dot(bodies.angular_velocity[b]));
+    potential_energy -= bodies.mass[b] * gravity.dot(bodies.position[b]);
+    total_momentum += momentum;
+    total_angular += bodies.position[b].cross(momentum) + angular_momentum;
+  }
+  sums.kinetic_energy += kinetic_energy;
+  sums.potential_energy += potential_energy;
+  sums.momentum += total_momentum;
+  sums.angular_momentum += total_angular;
+}
+
+void book_state(Balance& balance, const BodySums& now) {
   balance.kinetic_energy = now.kinetic_energy;
   balance.potential_energy = now.potential_energy;
   balance.elastic_energy = balance.contacts.elastic_energy;
   balance.momentum = now.momentum;
   balance.angular_momentum = now.angular_momentum;
+  balance.loads = now;
+  balance.loads.force += balance.contacts.plane_force;
+  balance.loads.torque += balance.contacts.plane_torque;
 
   balance.max_kinetic_energy = std::max(balance.max_kinetic_energy, balance.kinetic_energy);
   balance.max_elastic_energy = std::max(balance.max_elastic_energy, balance.elastic_energy);
   balance.min_potential_energy = std::min(balance.min_potential_energy, balance.potential_energy);
   balance.max_potential_energy = std::max(balance.max_potential_energy, balance.potential_energy);
+}
+
+void book_work(Balance& balance, const BodySums& done) {
+  balance.damping_work += done.damping_work;
+  balance.friction_work += done.friction_work;
+  balance.outside_work += done.outside_work;
+}
+
+void book_impulse(Balance& balance, double duration) {
+  balance.impulse += duration * balance.loads.force;
+  balance.angular_impulse += duration * balance.loads.torque;
+  balance.impulse_size += duration * balance.loads.force_size;
+  balance.angular_impulse_size += duration * balance.loads.torque_size;
+}
+
+void count_step(Balance& balance) {
+  balance.overlap_total += balance.contacts.overlap;
+  balance.contacts_total += static_cast<double>(balance.contacts.num_contacts);
   balance.max_overlap = std::max(balance.max_overlap, balance.contacts.max_overlap);
   balance.max_contacts = std::max(balance.max_contacts, balance.contacts.num_contacts);
 }
@@ -68,6 +95,8 @@ void open_books(Balance& balance) {
   balance.angular_momentum_start = balance.angular_momentum;
   balance.max_kinetic_energy = balance.kinetic_energy;
   balance.max_elastic_energy = balance.elastic_energy;
+  balance.max_overlap = balance.contacts.max_overlap;
+  balance.max_contacts = balance.contacts.num_contacts;
   balance.min_potential_energy = balance.max_potential_energy = balance.potential_energy;
 }
 

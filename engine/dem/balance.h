@@ -34,6 +34,7 @@ struct BodySums {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();            // N m, about the origin
   double force_size = 0, torque_size = 0;                      // sums of sizes of all loads
   double centring_energy = 0;  // J, kinetic energy half a step on, less that now
+  int unusable_body = -1;      // the first whose load is not finite
   void add(const BodySums& other);
 };
 
@@ -97,9 +98,9 @@ BodySums sum_over_bodies(std::vector<BodySums>& blocks, int num_bodies, ThreadPo
   blocks.resize(static_cast<std::size_t>((num_bodies + kBodyBlock - 1) / kBodyBlock));
   pool.run_ranges(num_bodies, kBodyBlock, [&](int begin, int end) {
     for (int first = begin; first < end; first += kBodyBlock) {
-      BodySums& sums = blocks[static_cast<std::size_t>(first / kBodyBlock)];
-      sums = BodySums{};
+      BodySums sums;
       work(sums, first, first + kBodyBlock < end ? first + kBodyBlock : end);
+      blocks[static_cast<std::size_t>(first / kBodyBlock)] = sums;
     }
   });
   BodySums total;
@@ -107,9 +108,18 @@ BodySums sum_over_bodies(std::vector<BodySums>& blocks, int num_bodies, ThreadPo
   return total;
 }
 
-/// Books energies and momentum of the present state.
-void audit(Balance& balance, const Bodies& bodies, const Eigen::Vector3d& gravity,
-           ThreadPool& pool);
+/// Adds energies and momentum of the free ones among bodies [begin, end).
+void audit(const Bodies& bodies, int begin, int end, const Eigen::Vector3d& gravity,
+           BodySums& sums);
+
+/// Takes over energies, momentum and outside loads of the present state.
+void book_state(Balance& balance, const BodySums& now);
+/// Adds work done during a kick.
+void book_work(Balance& balance, const BodySums& done);
+/// Adds the impulse of the booked outside loads over `duration` (s).
+void book_impulse(Balance& balance, double duration);
+/// Adds the present contacts to the means and extremes over steps.
+void count_step(Balance& balance);
 
 /// Makes the present state the start of the books.
 void open_books(Balance& balance);

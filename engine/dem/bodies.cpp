@@ -41,6 +41,7 @@ void add_body(Bodies& bodies, const BodyDefinition& body) {
                                     (body.inertia_b * (q.conjugate() * pose.angular_velocity)));
   bodies.motion.push_back(body.motion);
   bodies.mass.push_back(body.mass);
+  bodies.inverse_mass.push_back(1 / body.mass);
   bodies.inertia_b.push_back(body.inertia_b);
   bodies.inverse_inertia_b.push_back(inverse);
   bodies.inverse_inertia_all_axes.push_back(same_on_all_axes(inverse));

@@ -33,6 +33,7 @@ struct Bodies {
   // Constants.
   std::vector<Motion> motion;
   std::vector<double> mass;                         // kg
+  std::vector<double> inverse_mass;                 // 1/kg
   std::vector<Eigen::Matrix3d> inertia_b;           // kg m^2
   std::vector<Eigen::Matrix3d> inverse_inertia_b;   // 1 / (kg m^2)
   std::vector<double> inverse_inertia_all_axes;     // same on every axis; 0 if it is not
@@ -62,6 +63,14 @@ inline Eigen::Vector3d angular_velocity_of(const Eigen::Matrix3d& inverse_inerti
                                            const Eigen::Quaterniond& q_wb,
                                            const Eigen::Vector3d& angular_momentum) {
   return q_wb * (inverse_inertia_b * (q_wb.conjugate() * angular_momentum));
+}
+
+/// Angular velocity (rad/s, world) of a body at its present orientation and angular momentum.
+inline Eigen::Vector3d angular_velocity_of(const Bodies& bodies, int b) {
+  const double all_axes = bodies.inverse_inertia_all_axes[b];
+  if (all_axes > 0) return all_axes * bodies.angular_momentum[b];
+  return angular_velocity_of(bodies.inverse_inertia_b[b], bodies.orientation[b],
+                             bodies.angular_momentum[b]);
 }
 
 }  // namespace verisim::dem

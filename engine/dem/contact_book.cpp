@@ -84,15 +84,13 @@ ContactBook make_contact_book(int num_particles, int num_threads) {
 void carry_contacts(ContactBook& book, const Neighbours& neighbours, const ParticleRows& rows) {
   book.carried_pairs.clear();
   book.carried_planes.clear();
-  for (std::size_t k = 0; k < neighbours.pairs.size(); ++k) {
-    if (!neighbours.pair_touching[k]) continue;
-    const auto [low, high] =
-        std::minmax(rows.particle[neighbours.pairs[k].i], rows.particle[neighbours.pairs[k].j]);
+  for (const ParticlePair& pair : neighbours.pairs) {
+    if (!pair.touches) continue;
+    const auto [low, high] = std::minmax(rows.particle[pair.i], rows.particle[pair.j]);
     book.carried_pairs.at(static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high)) = 1;
   }
-  for (std::size_t k = 0; k < neighbours.plane_pairs.size(); ++k) {
-    if (!neighbours.plane_touching[k]) continue;
-    const PlanePair& pair = neighbours.plane_pairs[k];
+  for (const PlanePair& pair : neighbours.plane_pairs) {
+    if (!pair.touches) continue;
     book.carried_planes.at(static_cast<std::uint32_t>(rows.particle[pair.row]), pair.plane) = 1;
   }
 }
@@ -101,16 +99,14 @@ void restore_contacts(ContactBook& book, Neighbours& neighbours, const ParticleR
                       const Bodies& bodies, const Particles& particles,
                       const std::vector<PlaneDefinition>& planes, double time) {
   if (book.carried_pairs.size() > 0) {
-    for (std::size_t k = 0; k < neighbours.pairs.size(); ++k) {
-      const auto [low, high] =
-          std::minmax(rows.particle[neighbours.pairs[k].i], rows.particle[neighbours.pairs[k].j]);
-      neighbours.pair_touching[k] = book.carried_pairs.erase(static_cast<std::uint32_t>(low),
-                                                             static_cast<std::uint32_t>(high));
+    for (ParticlePair& pair : neighbours.pairs) {
+      const auto [low, high] = std::minmax(rows.particle[pair.i], rows.particle[pair.j]);
+      pair.touches = book.carried_pairs.erase(static_cast<std::uint32_t>(low),
+                                              static_cast<std::uint32_t>(high));
     }
   }
-  for (std::size_t k = 0; k < neighbours.plane_pairs.size(); ++k) {
-    const PlanePair& pair = neighbours.plane_pairs[k];
-    neighbours.plane_touching[k] = book.carried_planes.erase(
+  for (PlanePair& pair : neighbours.plane_pairs) {
+    pair.touches = book.carried_planes.erase(
         static_cast<std::uint32_t>(rows.particle[pair.row]), pair.plane);
   }
   book.carried_pairs.for_each([&](std::uint32_t i, std::uint32_t j, std::uint8_t) {

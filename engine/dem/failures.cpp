@@ -106,14 +106,14 @@ void FailureWatch::note_deep_pairs(const World& world) {
   const Bodies& bodies = world.bodies;
   const Neighbours& lists = world.neighbours;
   const ParticleRows& rows = world.rows;
-  for (std::size_t k = 0; k < lists.pairs.size(); ++k) {
-    if (!lists.pair_touching[k]) continue;
-    const RowMotion& i = rows.motion[lists.pairs[k].i];
-    const RowMotion& j = rows.motion[lists.pairs[k].j];
-    const double overlap = i.radius + j.radius - (i.position - j.position).norm();
-    if (overlap <= std::min(i.radius, j.radius)) continue;
-    const int a = std::min(rows.body[lists.pairs[k].i], rows.body[lists.pairs[k].j]);
-    const int b = std::max(rows.body[lists.pairs[k].i], rows.body[lists.pairs[k].j]);
+  for (const ParticlePair& pair : lists.pairs) {
+    if (!pair.touches) continue;
+    const RowMotion& i = rows.motion[pair.i];
+    const RowMotion& j = rows.motion[pair.j];
+    const double overlap = i.radius() + j.radius() - (i.position() - j.position()).norm();
+    if (overlap <= std::min(i.radius(), j.radius())) continue;
+    const int a = std::min(rows.body[pair.i], rows.body[pair.j]);
+    const int b = std::max(rows.body[pair.i], rows.body[pair.j]);
     fail(world, "penetration", a, world.time,
          text("particles of ", world.names[a], " and ", world.names[b], " overlap by ", overlap,
               " m, more than half a diameter"));
@@ -125,8 +125,8 @@ void FailureWatch::note_deep_pairs(const World& world) {
   for (const PlanePair& pair : lists.plane_pairs) {
     const RowMotion& i = rows.motion[pair.row];
     const PlaneDefinition& plane = world.planes[pair.plane];
-    const double overlap = i.radius + plane.offset - plane.normal.dot(i.position);
-    if (overlap <= i.radius) continue;
+    const double overlap = i.radius() + plane.offset - plane.normal.dot(i.position());
+    if (overlap <= i.radius()) continue;
     const int b = rows.body[pair.row];
     fail(world, "penetration", b, world.time,
          text("a particle of ", world.names[b], " is ", overlap, " m deep in ", plane.name,

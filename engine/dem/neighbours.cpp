@@ -18,6 +18,8 @@ constexpr double kLeastMargin = 0.05;    // of a particle diameter
 constexpr double kGreatestMargin = 0.5;  // of a particle diameter
 constexpr double kSteps = 20;
 
+constexpr std::uint32_t kIndexBits = 0x7FFFFFFF;  // beside the bit that says whether a pair touches
+
 /// Upper bound of how far any particle of the body is from where it was at the reference (m).
 /// Turning by angle t moves a point at distance r by 2 r sin(t/2) <= 2 r |q - q_reference|.
 double moved(const Neighbours& neighbours, const Bodies& bodies, int b) {
@@ -126,7 +128,6 @@ void choose_rows(Neighbours& neighbours, ParticleRows& rows, const Bodies& bodie
     const int particle = grid.items[row].id;
     rows.particle[row] = particle;
     rows.body[row] = particles.body[particle];
-    rows.motion[row].radius = bodies.particle_radius[particles.body[particle]];
     neighbours.row_of_particle[particle] = static_cast<int>(row);
   }
   int filled = 0;
@@ -157,11 +158,10 @@ void list_pairs(Neighbours& neighbours, const ParticleRows& rows, const Bodies& 
     const double mass =
         effective_mass(inverse_particle_mass(bodies, a), inverse_particle_mass(bodies, b));
     neighbours.pairs.push_back(
-        {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), std::sqrt(mass)});
+        {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j) & kIndexBits, 0u, std::sqrt(mass)});
   });
   neighbours.pair_begin.resize(rows.particle.size() + 1,
                                static_cast<std::uint32_t>(neighbours.pairs.size()));
-  neighbours.pair_touching.assign(neighbours.pairs.size(), 0);
 }
 
 void list_plane_pairs(Neighbours& neighbours, const ParticleRows& rows, const Bodies& bodies,
@@ -175,12 +175,11 @@ void list_plane_pairs(Neighbours& neighbours, const ParticleRows& rows, const Bo
       const Eigen::Vector3d& place = neighbours.place[rows.particle[row]];
       if (!is_near(neighbours, bodies, planes[p], b, place)) continue;
       neighbours.plane_pairs.push_back({static_cast<std::uint32_t>(row),
-                                        static_cast<std::uint32_t>(p),
+                                        static_cast<std::uint32_t>(p) & kIndexBits, 0u,
                                         std::sqrt(1 / inverse_particle_mass(bodies, b))});
     }
   }
   neighbours.plane_begin.push_back(static_cast<std::uint32_t>(neighbours.plane_pairs.size()));
-  neighbours.plane_touching.assign(neighbours.plane_pairs.size(), 0);
 }
 
 void list_border_pairs(Neighbours& neighbours, int num_rows, const ThreadPool& pool) {
@@ -221,10 +220,8 @@ Neighbours make_neighbours(const Bodies& bodies, const Particles& particles, int
     if (num_threads > 1) list.reserve(8 * num_particles);
   }
   neighbours.pairs.reserve(8 * num_particles);
-  neighbours.pair_touching.reserve(8 * num_particles);
   neighbours.pair_begin.reserve(num_particles + 1);
   neighbours.plane_pairs.reserve(num_particles);
-  neighbours.plane_touching.reserve(num_particles);
   neighbours.plane_begin.reserve(num_particles + 1);
   return neighbours;
 }

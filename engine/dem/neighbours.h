@@ -17,23 +17,23 @@ namespace verisim::dem {
 /// Rows i < j of two bodies, at least one of them free.
 struct ParticlePair {
   std::uint32_t i;
-  std::uint32_t j;
-  double root_mass;  // sqrt(kg), root of the effective mass of the two particles
+  std::uint32_t j : 31;
+  std::uint32_t touches : 1;  // at the last evaluation
+  double root_mass;           // sqrt(kg), root of the effective mass of the two particles
 };
 
 /// A row of a free body and a plane.
 struct PlanePair {
   std::uint32_t row;
-  std::uint32_t plane;
+  std::uint32_t plane : 31;
+  std::uint32_t touches : 1;
   double root_mass;  // sqrt(kg), root of the particle's mass
 };
 
 struct Neighbours {
-  std::vector<ParticlePair> pairs;          // sorted by (i, j)
-  std::vector<std::uint8_t> pair_touching;  // at the last evaluation
-  std::vector<std::uint32_t> pair_begin;    // [R + 1] pairs of each row i
-  std::vector<PlanePair> plane_pairs;       // sorted by (row, plane)
-  std::vector<std::uint8_t> plane_touching;
+  std::vector<ParticlePair> pairs;         // sorted by (i, j)
+  std::vector<std::uint32_t> pair_begin;   // [R + 1] pairs of each row i
+  std::vector<PlanePair> plane_pairs;      // sorted by (row, plane)
   std::vector<std::uint32_t> plane_begin;  // [R + 1]
   /// Per thread: pairs whose i lies in an earlier thread's range of rows and j in its own.
   std::vector<std::vector<std::uint32_t>> border_pairs;

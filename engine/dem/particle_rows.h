@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dem/bodies.h"
+#include "dem/lanes.h"
 #include "dem/thread_pool.h"
 
 namespace verisim::dem {
@@ -14,18 +15,20 @@ namespace verisim::dem {
 // places: one stretch of memory each instead of ten.
 
 struct RowMotion {
-  Eigen::Vector3d position;  // m, particle centre
-  double radius;             // m
-  Eigen::Vector3d velocity;  // m/s, of the particle centre
-  Eigen::Vector3d spin;      // rad/s, of its body
+  Lanes place;     // m, particle centre; fourth lane: radius
+  Lanes velocity;  // m/s, of the particle centre
+  Lanes spin;      // rad/s, of its body
+
+  double radius() const { return place[3]; }
+  Eigen::Vector3d position() const { return to_vector(place); }
 };
 
-/// Sums over the contacts of one particle.
+/// Sums over the contacts of one particle; the fourth lanes mean nothing.
 struct RowLoad {
-  Eigen::Vector3d elastic;          // N
-  Eigen::Vector3d damping;          // N
-  Eigen::Vector3d friction;         // N
-  Eigen::Vector3d friction_torque;  // N m, about the particle centre; the others pass through it
+  Lanes elastic;          // N
+  Lanes damping;          // N
+  Lanes friction;         // N
+  Lanes friction_torque;  // N m, about the particle centre; the others pass through it
 };
 
 struct ParticleRows {
@@ -51,9 +54,5 @@ constexpr int kRowBlock = 128;
 /// Takes place and velocity of every row from its body.
 void refresh_rows(ParticleRows& rows, const Bodies& bodies, const Particles& particles,
                   ThreadPool& pool);
-
-/// Sums the loads of each body's rows into its wrenches: total, damping, friction.
-/// The order of addition is that of the particles, whatever the order of rows.
-void gather_loads(Bodies& bodies, const ParticleRows& rows, ThreadPool& pool);
 
 }  // namespace verisim::dem

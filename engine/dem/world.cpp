@@ -26,9 +26,8 @@ void change_and_book(World& world, const Change& change) {
   Balance& balance = world.balance;
   const double before = balance.energy();
   change();
-  world.halted = evaluate_forces(world) >= 0;
+  world.halted = evaluate_forces(world, 0) >= 0;
   if (world.halted) return;
-  audit(balance, world.bodies, world.parameters.gravity, *world.pool);
   balance.outside_work += balance.energy() - before;
 }
 
@@ -53,10 +52,11 @@ World make_world(const WorldDefinition& definition) {
   world.neighbours = make_neighbours(world.bodies, world.particles, num_threads);
   world.rows = make_rows(world.bodies.count(), world.particles.count());
   world.contacts = make_contact_book(world.particles.count(), num_threads);
+  world.balance.contact_blocks.reserve(
+      static_cast<std::size_t>(world.particles.count() / kRowBlock) + 1);
   rebuild(world.neighbours, world.rows, world.bodies, world.particles, world.planes,
           world.parameters.dt, *world.pool);
-  world.halted = evaluate_forces(world) >= 0;
-  audit(world.balance, world.bodies, world.parameters.gravity, *world.pool);
+  world.halted = evaluate_forces(world, 0) >= 0;
   open_books(world.balance);
   return world;
 }
@@ -97,6 +97,7 @@ void set_outside_wrench(World& world, int body, const Eigen::Vector3d& force,
   change_and_book(world, [&] {
     world.bodies.outside.force[body] = force;
     world.bodies.outside.torque[body] = torque;
+    world.has_outside_wrench = true;
   });
 }
 

@@ -46,6 +46,7 @@ struct World {
   double time = 0;  // s
   long steps = 0;
   bool halted = false;  // a load was not finite: step does nothing any more
+  bool has_outside_wrench = false;  // of any body
   std::optional<Drag> drag;
   Eigen::Vector3d drag_force = Eigen::Vector3d::Zero();   // N, at the last evaluation
   Eigen::Vector3d drag_torque = Eigen::Vector3d::Zero();  // N m

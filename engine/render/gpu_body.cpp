@@ -114,7 +114,15 @@ void GpuBody::mix_paint(const VisualBody& body) {
   if (body.pattern.kind == PatternKind::kPlain) pattern_scale = glm::vec3(0);
   if (body.pattern.kind == PatternKind::kBands) pattern_scale = {0, 0, 1 / cell.z};
   for (int axis = 0; axis < 3; ++axis) {
-    pattern_shift[axis] = pattern_scale[axis] == 0 ? 0.5F : -origin[axis] * pattern_scale[axis];
+    if (pattern_scale[axis] == 0) {
+      pattern_shift[axis] = 0.5F;
+      cell_low[axis] = 0;
+      cell_high[axis] = 1;
+    } else {
+      pattern_shift[axis] = -origin[axis] * pattern_scale[axis];
+      cell_low[axis] = low[axis] * pattern_scale[axis] + pattern_shift[axis];
+      cell_high[axis] = high[axis] * pattern_scale[axis] + pattern_shift[axis];
+    }
   }
 }
 

@@ -40,6 +40,7 @@ class GpuBody {
   glm::vec3 low, high;                     // m, bounding box about the centre of mass, body axes
   float bounding_radius = 0;               // m, about the centre of mass
   glm::vec3 tone_dark, tone_light;         // linear
+  glm::vec3 cell_low, cell_high;           // extent of the body in cells
   glm::vec3 pattern_scale, pattern_shift;  // body position to cells
 
  private:

@@ -23,12 +23,12 @@ constexpr Colour kTileLight{0.66F, 0.65F, 0.63F};
 constexpr Colour kTileDark{0.56F, 0.55F, 0.535F};
 constexpr Colour kHorizon{0.74F, 0.76F, 0.78F};
 constexpr Colour kZenith{0.50F, 0.58F, 0.68F};
-constexpr float kFadeDistance = 9;  // of the distance from the camera to what it looks at
+constexpr float kFadeDistance = 5;  // of the distance from the camera to what it looks at
 
-constexpr float kShadowTap = 0.8F;     // texels from the middle
-constexpr float kShadowOffset = 2.4F;  // texels along the normal; less shows acne, more lifts
-constexpr float kShadowMargin = 4;     // texels that the edge of a shadow is blurred by, at most
-constexpr float kSlopeOffset = 1.1F;   // depth slopes
+const glm::vec2 kShadowTap(0.6F, 0.2F);  // texels from the middle, to either side
+constexpr float kShadowOffset = 2.4F;    // texels along the normal; less shows acne, more lifts
+constexpr float kShadowMargin = 4;       // texels that the edge of a shadow is blurred by, at most
+constexpr float kSlopeOffset = 1.1F;     // depth slopes
 
 Gl checked(const GetProcAddress& get, int width, int height) {
   if (width < 2 || height < 2 || width > 16384 || height > 16384) {
@@ -237,6 +237,8 @@ void Renderer::draw_bodies(std::span<const dem::Pose> poses) {
     body_program_.set("body_to_world", body_to_world(poses[b]));
     body_program_.set("tone_dark", body.tone_dark);
     body_program_.set("tone_light", body.tone_light);
+    body_program_.set("cell_low", body.cell_low);
+    body_program_.set("cell_high", body.cell_high);
     body_program_.set("pattern_scale", body.pattern_scale);
     body_program_.set("pattern_shift", body.pattern_shift);
     body.draw(gl_, spheres_, pixels_per_metre(poses[b]));

@@ -30,16 +30,14 @@ vec3 mean_wave(vec3 x, vec3 w) {
 }
 )";
 
-// Share of the sun's light that arrives: four taps, each a bilinear mean of four comparisons.
+// Share of the sun's light that arrives: two taps, each a bilinear mean of four comparisons. They
+// are the dearest part of a fragment: four taps are no better to look at and cost 15 % of a frame.
 constexpr const char* kSunlit = R"(
 uniform sampler2DShadow shadow_map;
 uniform vec2 shadow_tap;  // distance of a tap from the middle, shares of the map
 float sunlit(vec3 p) {
-  vec2 d = shadow_tap;
-  return 0.25 * (texture(shadow_map, vec3(p.x - d.x, p.y - d.y, p.z)) +
-                 texture(shadow_map, vec3(p.x + d.x, p.y - d.y, p.z)) +
-                 texture(shadow_map, vec3(p.x - d.x, p.y + d.y, p.z)) +
-                 texture(shadow_map, vec3(p.x + d.x, p.y + d.y, p.z)));
+  return 0.5 * (texture(shadow_map, vec3(p.xy - shadow_tap, p.z)) +
+                texture(shadow_map, vec3(p.xy + shadow_tap, p.z)));
 }
 )";
 
@@ -120,12 +118,16 @@ in vec3 normal;
 in vec3 cell;
 in vec3 sun_position;
 uniform vec3 tone_dark, tone_light;
+uniform vec3 cell_low, cell_high;  // the body's extent in cells
 uniform vec3 to_sun, up;
 uniform vec3 sun_light, ambient_middle, ambient_slope;
 out vec4 colour;
 void main() {
   vec3 n = normalize(normal);
-  vec3 waves = mean_wave(cell, max(abs(dFdx(cell)), abs(dFdy(cell))) + 1e-3);
+  vec3 window = max(abs(dFdx(cell)), abs(dFdy(cell))) + 1e-3;
+  // The window stays on the body: beyond an edge the pattern would go on with the other tone.
+  vec3 middle = clamp(cell, cell_low + 0.5 * window, cell_high - 0.5 * window);
+  vec3 waves = mean_wave(middle, window);
   vec3 paint = mix(tone_dark, tone_light, 0.5 + 0.5 * waves.x * waves.y * waves.z);
   float facing = max(dot(n, to_sun), 0.0);
   vec3 light = sun_light * (facing * sunlit(sun_position)) + ambient_middle +

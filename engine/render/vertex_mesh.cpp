@@ -10,7 +10,7 @@
 namespace verisim::render {
 namespace {
 
-const double kCreaseCosine = std::cos(40 * EIGEN_PI / 180);
+const double kCreaseCosine = std::cos(55 * EIGEN_PI / 180);
 
 struct Corner {
   std::size_t triangle;

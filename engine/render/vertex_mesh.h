@@ -21,7 +21,7 @@ struct VertexMesh {
 };
 
 /// The mesh moved by its offset. Two triangles at a shared corner share their normal there when
-/// they meet at less than 40 degrees, which keeps the edges of a box sharp and a sphere round.
+/// they meet at less than 55 degrees, which keeps the edges of a box sharp and a sphere round.
 VertexMesh with_normals(const TriangleMesh& mesh, const Eigen::Vector3d& offset);
 
 /// Unit sphere of 20 frequency^2 triangles on an icosahedron. Its corners lie a little outside of

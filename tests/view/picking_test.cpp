@@ -68,16 +68,19 @@ TEST_CASE("the_nearest_of_two_bodies_in_line_is_picked") {
   CHECK(pick->body == 1);
   CHECK(pick->distance == doctest::Approx(3.8).epsilon(1e-12));
   CHECK((pick->point - Eigen::Vector3d(0, -0.2, 0)).norm() < 1e-12);  // measured 2e-16
+  std::swap(bodies.poses[0], bodies.poses[1]);
+  CHECK(bodies.pick({kCamera.position, Eigen::Vector3d::UnitY()})->body == 0);
 }
 
 TEST_CASE("a_turned_body_is_picked_where_it_is") {
-  // A rod along x, turned to stand upright: hit above its middle, missed beside it.
+  // A rod along x, turned by 45 degrees about y: its right end points down.
   Bodies bodies;
   dem::Pose pose = at(0, 0, 0);
-  pose.orientation = Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY());
+  pose.orientation = Eigen::AngleAxisd(std::numbers::pi / 4, Eigen::Vector3d::UnitY());
   bodies.add_box({2, 0.1, 0.1}, pose);
-  CHECK(bodies.pick({{0, -4, 0.9}, Eigen::Vector3d::UnitY()}));
-  CHECK_FALSE(bodies.pick({{0.9, -4, 0}, Eigen::Vector3d::UnitY()}));
+  CHECK(bodies.pick({{0.6, -4, -0.6}, Eigen::Vector3d::UnitY()}));
+  CHECK_FALSE(bodies.pick({{0.6, -4, 0.6}, Eigen::Vector3d::UnitY()}));
+  CHECK_FALSE(bodies.pick({{0.6, -4, 0}, Eigen::Vector3d::UnitY()}));
 }
 
 TEST_CASE("a_ray_inside_the_bounding_sphere_may_still_miss_the_body") {
