@@ -25,7 +25,7 @@ CPP_ARROWS = {
 PYTHON_ARROWS = {
     "study": {"study"},
     "analysis": {"analysis"},
-    "stimuli": {"stimuli", "engine", "clip", "pose_log"},
+    "stimuli": {"stimuli", "engine", "_engine", "clip", "pose_log"},
 }
 
 

@@ -14,11 +14,11 @@ namespace {
 
 using verisim::dem::WorldDefinition;
 
-constexpr double kRadius = 0.005;     // m
-constexpr double kDensity = 2500;     // kg/m^3
-constexpr double kStiffness = 1000;   // N/m
-constexpr double kDt = 4e-5;          // s, about 29 steps per contact of two spheres
-constexpr int kSettleSteps = 6000;    // until the bed is at rest
+constexpr double kRadius = 0.005;    // m
+constexpr double kDensity = 2500;    // kg/m^3
+constexpr double kStiffness = 1000;  // N/m
+constexpr double kDt = 4e-5;         // s, about 29 steps per contact of two spheres
+constexpr int kSettleSteps = 6000;   // until the bed is at rest
 constexpr int kStepsPerRepeat = 500;
 constexpr int kRepeats = 5;
 
@@ -54,9 +54,8 @@ WorldDefinition bed_of(int count, int num_threads) {
     definition.bodies.back().name = "sphere_" + std::to_string(n);
   }
   definition.planes.push_back({});
-  for (const Eigen::Vector3d& normal :
-       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, 1, 0),
-        Eigen::Vector3d(0, -1, 0)}) {
+  for (const Eigen::Vector3d& normal : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0),
+                                        Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, -1, 0)}) {
     definition.planes.push_back({normal, -wall, 0, "wall"});
   }
   return definition;

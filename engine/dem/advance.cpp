@@ -18,14 +18,19 @@ double power(const Wrenches& wrenches, int b, const MeanMotion& mean) {
   return wrenches.force[b].dot(mean.velocity) + wrenches.torque[b].dot(mean.spin);
 }
 
-MeanMotion kick_free(Bodies& bodies, int b, double duration) {
+/// Adds the kinetic energy (J) at the mean velocities to `mean_energy`.
+MeanMotion kick_free(Bodies& bodies, int b, double duration, double& mean_energy) {
   Eigen::Vector3d& velocity = bodies.linear_velocity[b];
+  Eigen::Vector3d& momentum = bodies.angular_momentum[b];
   Eigen::Vector3d& spin = bodies.angular_velocity[b];
-  const Eigen::Vector3d velocity_before = velocity, spin_before = spin;
+  const Eigen::Vector3d velocity_before = velocity, momentum_before = momentum, spin_before = spin;
   velocity += (duration * bodies.inverse_mass[b]) * bodies.total.force[b];
-  bodies.angular_momentum[b] += duration * bodies.total.torque[b];
+  momentum += duration * bodies.total.torque[b];
   spin = angular_velocity_of(bodies, b);
-  return {0.5 * (velocity_before + velocity), 0.5 * (spin_before + spin)};
+  const MeanMotion mean{0.5 * (velocity_before + velocity), 0.5 * (spin_before + spin)};
+  mean_energy += 0.5 * bodies.mass[b] * mean.velocity.squaredNorm() +
+                 0.25 * (momentum_before + momentum).dot(mean.spin);
+  return mean;
 }
 
 void turn(Bodies& bodies, int b, Integrator integrator, double duration) {
@@ -69,7 +74,7 @@ void drift(Bodies& bodies, int begin, int end, Integrator integrator, double dur
 
 void kick(World& world, int begin, int end, double duration, BodySums& sums) {
   Bodies& bodies = world.bodies;
-  double damping_work = 0, friction_work = 0, outside_work = 0;
+  double damping_work = 0, friction_work = 0, outside_work = 0, mean_kinetic_energy = 0;
   for (int b = begin; b < end; ++b) {
     if (bodies.motion[b] == Motion::kFixed) continue;
     if (bodies.motion[b] == Motion::kPrescribed) {
@@ -80,15 +85,16 @@ void kick(World& world, int begin, int end, double duration, BodySums& sums) {
       outside_work -= duration * power(bodies.total, b, motion);
       continue;
     }
-    const MeanMotion mean = kick_free(bodies, b, duration);
+    const MeanMotion mean = kick_free(bodies, b, duration, mean_kinetic_energy);
     damping_work -= duration * power(bodies.damping, b, mean);
     friction_work -= duration * power(bodies.friction, b, mean);
     if (world.has_outside_wrench) outside_work += duration * power(bodies.outside, b, mean);
     if (world.drag && world.drag->body == b) {
-      outside_work += duration * (world.drag_force.dot(mean.velocity) +
-                                  world.drag_torque.dot(mean.spin));
+      outside_work +=
+          duration * (world.drag_force.dot(mean.velocity) + world.drag_torque.dot(mean.spin));
     }
   }
+  sums.mean_kinetic_energy += mean_kinetic_energy;
   sums.damping_work += damping_work;
   sums.friction_work += friction_work;
   sums.outside_work += outside_work;
@@ -103,6 +109,9 @@ void move_bodies(World& world, double kick_duration, double drift_duration) {
         kick(world, begin, end, kick_duration, sums);
         drift(world.bodies, begin, end, world.parameters.integrator, drift_duration, time_after);
       });
+  const bool is_centred = world.parameters.integrator == Integrator::kSeed;
+  book_centred_energy(world.balance,
+                      is_centred ? done.mean_kinetic_energy : world.balance.kinetic_energy);
   book_work(world.balance, done);
   world.time = time_after;
 }

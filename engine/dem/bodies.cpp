@@ -37,8 +37,7 @@ void add_body(Bodies& bodies, const BodyDefinition& body) {
   bodies.orientation.push_back(q);
   bodies.linear_velocity.push_back(pose.linear_velocity);
   bodies.angular_velocity.push_back(pose.angular_velocity);
-  bodies.angular_momentum.push_back(q *
-                                    (body.inertia_b * (q.conjugate() * pose.angular_velocity)));
+  bodies.angular_momentum.push_back(q * (body.inertia_b * (q.conjugate() * pose.angular_velocity)));
   bodies.motion.push_back(body.motion);
   bodies.mass.push_back(body.mass);
   bodies.inverse_mass.push_back(1 / body.mass);

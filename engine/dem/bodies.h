@@ -32,15 +32,15 @@ struct Bodies {
 
   // Constants.
   std::vector<Motion> motion;
-  std::vector<double> mass;                         // kg
-  std::vector<double> inverse_mass;                 // 1/kg
-  std::vector<Eigen::Matrix3d> inertia_b;           // kg m^2
-  std::vector<Eigen::Matrix3d> inverse_inertia_b;   // 1 / (kg m^2)
-  std::vector<double> inverse_inertia_all_axes;     // same on every axis; 0 if it is not
-  std::vector<double> size;                         // m, smallest extent
-  std::vector<double> particle_radius;              // m
-  std::vector<double> reach;                        // m, farthest particle centre from the centre
-  std::vector<int> first_particle;                  // [B + 1] into Particles
+  std::vector<double> mass;                        // kg
+  std::vector<double> inverse_mass;                // 1/kg
+  std::vector<Eigen::Matrix3d> inertia_b;          // kg m^2
+  std::vector<Eigen::Matrix3d> inverse_inertia_b;  // 1 / (kg m^2)
+  std::vector<double> inverse_inertia_all_axes;    // same on every axis; 0 if it is not
+  std::vector<double> size;                        // m, smallest extent
+  std::vector<double> particle_radius;             // m
+  std::vector<double> reach;                       // m, farthest particle centre from the centre
+  std::vector<int> first_particle;                 // [B + 1] into Particles
   std::vector<PrescribedMotion> prescribed;
 
   int count() const { return static_cast<int>(position.size()); }

@@ -28,8 +28,8 @@ ContactEvent make_event(ContactChange change, double time, BodyPair pair, int nu
 
 void begin_contact(ContactBook& book, BodyPair pair, double normal_velocity, int num_bodies,
                    double time) {
-  int& num_contacts = book.touching.at(static_cast<std::uint32_t>(pair.a),
-                                       static_cast<std::uint32_t>(pair.b));
+  int& num_contacts =
+      book.touching.at(static_cast<std::uint32_t>(pair.a), static_cast<std::uint32_t>(pair.b));
   if (num_contacts++ == 0) {
     book.events.push_back(
         make_event(ContactChange::kBegin, time, pair, num_bodies, normal_velocity));
@@ -106,14 +106,14 @@ void restore_contacts(ContactBook& book, Neighbours& neighbours, const ParticleR
     }
   }
   for (PlanePair& pair : neighbours.plane_pairs) {
-    pair.touches = book.carried_planes.erase(
-        static_cast<std::uint32_t>(rows.particle[pair.row]), pair.plane);
+    pair.touches =
+        book.carried_planes.erase(static_cast<std::uint32_t>(rows.particle[pair.row]), pair.plane);
   }
   book.carried_pairs.for_each([&](std::uint32_t i, std::uint32_t j, std::uint8_t) {
     const int first = static_cast<int>(i), second = static_cast<int>(j);
     const Eigen::Vector3d apart = neighbours.place[first] - neighbours.place[second];
-    const Eigen::Vector3d velocity = velocity_of(bodies, particles, first) -
-                                     velocity_of(bodies, particles, second);
+    const Eigen::Vector3d velocity =
+        velocity_of(bodies, particles, first) - velocity_of(bodies, particles, second);
     end_contact(book, ordered(particles.body[first], particles.body[second]),
                 velocity.dot(apart.normalized()), bodies.count(), time);
   });

@@ -19,9 +19,9 @@ namespace verisim::dem {
 
 /// Coefficients for all contacts; a contact's own are these times the root of its effective mass.
 struct ContactLaw {
-  double stiffness;         // N/m
-  double damping_rate;      // N s/m per sqrt(kg): ratio * 2 sqrt(k)
-  double tangential_rate;   // N s/m per sqrt(kg)
+  double stiffness;        // N/m
+  double damping_rate;     // N s/m per sqrt(kg): ratio * 2 sqrt(k)
+  double tangential_rate;  // N s/m per sqrt(kg)
 };
 
 /// A dashpot of ratio 1 is critical for one contact between two particles of that effective mass:

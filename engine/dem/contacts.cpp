@@ -23,8 +23,8 @@ bool add_plane_contact(RowLoad& load, ContactSums& sums, const RowMotion& i, Pla
   const Eigen::Vector3d elastic = (law.stiffness * overlap) * plane.normal;
   const Eigen::Vector3d damping =
       (-law.damping_rate * pair.root_mass * normal_velocity) * plane.normal;
-  const Eigen::Vector3d friction = (-law.tangential_rate * pair.root_mass) *
-                                   (velocity - normal_velocity * plane.normal);
+  const Eigen::Vector3d friction =
+      (-law.tangential_rate * pair.root_mass) * (velocity - normal_velocity * plane.normal);
   load.elastic += to_lanes(elastic);
   load.damping += to_lanes(damping);
   load.friction += to_lanes(friction);

@@ -10,12 +10,12 @@
 namespace verisim::dem {
 namespace {
 
-constexpr double kStaticOverlap = 0.01;   // of a particle diameter, under the load from above
-constexpr double kImpactOverlap = 0.25;   // of a particle diameter, one particle stopping the body
-constexpr double kContactsOfSphere = 6;   // in a dense packing
-constexpr double kStepsOfPeriod = 0.1;    // dt omega: 31 steps per contact time pi / omega
-constexpr double kStepsOfDamping = 0.4;   // dt gamma: explicit damping is unstable from 2
-constexpr double kWayPerStep = 0.25;      // of a particle diameter
+constexpr double kStaticOverlap = 0.01;  // of a particle diameter, under the load from above
+constexpr double kImpactOverlap = 0.25;  // of a particle diameter, one particle stopping the body
+constexpr double kContactsOfSphere = 6;  // in a dense packing
+constexpr double kStepsOfPeriod = 0.1;   // dt omega: 31 steps per contact time pi / omega
+constexpr double kStepsOfDamping = 0.4;  // dt gamma: explicit damping is unstable from 2
+constexpr double kWayPerStep = 0.25;     // of a particle diameter
 
 bool is_loaded(const BodyDefinition& body) {
   return body.motion == Motion::kFree && !body.particle_offsets_b.empty();
@@ -106,12 +106,12 @@ double impact_speed(const WorldDefinition& definition, const BodyDefinition& bod
   for (const BodyDefinition& other : definition.bodies) {
     if (&other == &body) continue;
     const double speed = other.motion == Motion::kPrescribed ? speed_of_path(other.prescribed)
-                         : other.motion == Motion::kFree ? other.initial.linear_velocity.norm()
-                                                         : 0;
+                         : other.motion == Motion::kFree     ? other.initial.linear_velocity.norm()
+                                                             : 0;
     others = std::max(others, speed);
   }
-  const double own = body.initial.linear_velocity.norm() +
-                     body.initial.angular_velocity.norm() * reach_of(body);
+  const double own =
+      body.initial.linear_velocity.norm() + body.initial.angular_velocity.norm() * reach_of(body);
   const double start = own + others;
   return std::sqrt(start * start + 2 * definition.gravity.norm() * fall_of(definition, body));
 }
@@ -140,8 +140,8 @@ double greatest_dt(const WorldDefinition& definition, const BodyDefinition& body
   const double tangential = contacts / body.mass + turning * (num_particles > 1 ? 1 : contacts);
   const double omega = std::sqrt(seed.stiffness * normal);
   const double critical = 2 * std::sqrt(seed.stiffness * body.mass / num_particles);
-  const double gamma = critical * std::max(seed.damping_ratio * normal,
-                                           seed.tangential_damping_ratio * tangential);
+  const double gamma =
+      critical * std::max(seed.damping_ratio * normal, seed.tangential_damping_ratio * tangential);
   const double speed = impact_speed(definition, body);
   return std::min({kStepsOfPeriod / omega, kStepsOfDamping / gamma,
                    kWayPerStep * 2 * body.particle_radius / speed});

@@ -91,8 +91,8 @@ std::vector<std::string> problems_of(const WorldDefinition& definition) {
   const SeedSettings& seed = definition.seed;
   problems.require(is_at_least_zero(seed.stiffness), world, "stiffness", seed.stiffness,
                    "0 N/m or more");
-  problems.require(is_at_least_zero(seed.damping_ratio), world, "damping ratio",
-                   seed.damping_ratio, "0 or more");
+  problems.require(is_at_least_zero(seed.damping_ratio), world, "damping ratio", seed.damping_ratio,
+                   "0 or more");
   problems.require(is_at_least_zero(seed.tangential_damping_ratio), world,
                    "tangential damping ratio", seed.tangential_damping_ratio, "0 or more");
   for (const PlaneDefinition& plane : definition.planes) {

@@ -22,14 +22,14 @@ struct PrescribedMotion {
 struct BodyDefinition {
   std::string name;
   Motion motion = Motion::kFree;
-  double mass = 0;                                            // kg
-  Eigen::Matrix3d inertia_b = Eigen::Matrix3d::Zero();        // kg m^2, about the centre of mass
-  Pose initial;                                               // pose and velocities at time 0
-  int material = 0;                                           // the scene's; `seed` reads none
-  std::vector<Eigen::Vector3d> particle_offsets_b;            // m, from the centre of mass
-  double particle_radius = 0;                                 // m, the same for all of the body
-  double size = 0;                                            // m, smallest extent of the shape
-  PrescribedMotion prescribed;                                // read if kPrescribed
+  double mass = 0;                                      // kg
+  Eigen::Matrix3d inertia_b = Eigen::Matrix3d::Zero();  // kg m^2, about the centre of mass
+  Pose initial;                                         // pose and velocities at time 0
+  int material = 0;                                     // the scene's; `seed` reads none
+  std::vector<Eigen::Vector3d> particle_offsets_b;      // m, from the centre of mass
+  double particle_radius = 0;                           // m, the same for all of the body
+  double size = 0;                                      // m, smallest extent of the shape
+  PrescribedMotion prescribed;                          // read if kPrescribed
 };
 
 /// Solid half-space below the plane normal . x = offset.

@@ -10,15 +10,15 @@
 namespace verisim::dem {
 namespace {
 
-constexpr double kEnergyGain = 0.05;     // of the energy scale
-constexpr double kExplosion = 1000;      // energy scales, from where a run is not worth going on
-constexpr double kTilt = 0.1;            // rad
+constexpr double kEnergyGain = 0.05;  // of the energy scale
+constexpr double kExplosion = 1000;   // energy scales, from where a run is not worth going on
+constexpr double kTilt = 0.1;         // rad
 // Of a body's size. Particles of two lattices settle into each other by up to 0.29 diameters, so a
 // stack that holds (n k d = 10 W, three cubes of 4 particles) is 11 % lower at its top.
 constexpr double kSink = 0.15;
-constexpr double kAside = 0.1;           // of a body's size, from its place
-constexpr double kDriftPer10s = 0.01;    // of a body's size, in the second half of the run
-constexpr double kJitter = 0.1;          // of sqrt(g * mean overlap), rms speed in the second half
+constexpr double kAside = 0.1;         // of a body's size, from its place
+constexpr double kDriftPer10s = 0.01;  // of a body's size, in the second half of the run
+constexpr double kJitter = 0.1;        // of sqrt(g * mean overlap), rms speed in the second half
 
 template <class... Parts>
 std::string text(const Parts&... parts) {
@@ -180,14 +180,16 @@ void FailureWatch::check_leaps(const World& world) {
     if (bodies.num_particles(a) == 0 || bodies.motion[a] == Motion::kFixed) continue;
     if (dt * dt * bodies.linear_velocity[a].squaredNorm() <= limit * limit) continue;
     for (int b = 0; b < bodies.count(); ++b) {
-      const bool may_touch = a != b && bodies.num_particles(b) > 0 &&
-                             (bodies.motion[a] == Motion::kFree || bodies.motion[b] == Motion::kFree);
+      const bool may_touch =
+          a != b && bodies.num_particles(b) > 0 &&
+          (bodies.motion[a] == Motion::kFree || bodies.motion[b] == Motion::kFree);
       if (!may_touch) continue;
       const Eigen::Vector3d end = bodies.position[a] - bodies.position[b];
       const Eigen::Vector3d way = dt * (bodies.linear_velocity[a] - bodies.linear_velocity[b]);
       const Eigen::Vector3d start = end - way;
       const double gap = (start - start.dot(way) / way.squaredNorm() * way).norm();
-      if (start.dot(way) >= 0 || end.dot(way) <= 0 || gap > 0.25 * (bodies.size[a] + bodies.size[b]))
+      if (start.dot(way) >= 0 || end.dot(way) <= 0 ||
+          gap > 0.25 * (bodies.size[a] + bodies.size[b]))
         continue;
       fail(world, "pass_through", a, world.time,
            text(world.names[a], " leapt through ", world.names[b], " in one step of ", dt, " s"));
@@ -257,7 +259,8 @@ void FailureWatch::finish(const World& world) {
            text(name, " creeps aside at ", drift / late_time, " m/s"));
     }
     if (mean_overlap > 0 && speed > kJitter * std::sqrt(g * mean_overlap)) {
-      fail(world, "jitters", b, world.time, text(name, " does not come to rest: rms ", speed, " m/s"));
+      fail(world, "jitters", b, world.time,
+           text(name, " does not come to rest: rms ", speed, " m/s"));
     }
   }
 }

@@ -31,10 +31,10 @@ class FailureWatch {
   /// One body that ought to stand.
   struct Standing {
     int body;
-    Eigen::Vector3d start;                 // m
+    Eigen::Vector3d start;  // m
     Eigen::Quaterniond start_orientation;
-    Eigen::Vector3d middle;                // m, when half of the run is over
-    double speed_squared = 0;              // (m/s)^2, sum over the second half
+    Eigen::Vector3d middle;    // m, when half of the run is over
+    double speed_squared = 0;  // (m/s)^2, sum over the second half
     // When the body left its bounds for good (s); < 0: it is inside.
     double toppled_since = -1, sank_since = -1, moved_since = -1;
   };
@@ -52,11 +52,11 @@ class FailureWatch {
   std::vector<Failure> failures_;
   std::vector<Standing> standing_;
   Eigen::Vector3d up_;
-  double weight_ = 0;             // N, of all free bodies
+  double weight_ = 0;              // N, of all free bodies
   double least_energy_scale_ = 0;  // J
-  double explosion_energy_ = 0;   // J, set when energy_gain is seen
-  double half_time_ = 0;          // s
-  long half_steps_ = 0;           // steps of the second half
+  double explosion_energy_ = 0;    // J, set when energy_gain is seen
+  double half_time_ = 0;           // s
+  long half_steps_ = 0;            // steps of the second half
   double overlap_before_half_ = 0, contacts_before_half_ = 0;
   std::vector<std::uint8_t> starts_above_;        // [B * P] body starts outside of the plane
   PairTable<int> deep_;                           // pairs of bodies too deep in each other -> which

@@ -20,14 +20,14 @@ void update_neighbours(World& world) {
 }  // namespace
 
 int evaluate_forces(World& world, double kick_duration) {
-  update_neighbours(world);                                                     // neighbours.cpp
-  refresh_rows(world.rows, world.bodies, world.particles, *world.pool);         // particle_rows.cpp
-  world.balance.contacts = evaluate_contacts(                                   // contacts.cpp
+  update_neighbours(world);                                              // neighbours.cpp
+  refresh_rows(world.rows, world.bodies, world.particles, *world.pool);  // particle_rows.cpp
+  world.balance.contacts = evaluate_contacts(                            // contacts.cpp
       world.rows, world.neighbours, world.contacts, world.planes,
       contact_law(world.parameters.seed), world.balance.contact_blocks, *world.pool);
-  record_transitions(world.contacts, world.neighbours, world.rows,              // contact_book.cpp
+  record_transitions(world.contacts, world.neighbours, world.rows,  // contact_book.cpp
                      world.bodies.count(), world.time);
-  return load_bodies(world, kick_duration);                                     // loads.cpp
+  return load_bodies(world, kick_duration);  // loads.cpp
 }
 
 }  // namespace verisim::dem

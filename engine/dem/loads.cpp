@@ -9,31 +9,47 @@
 namespace verisim::dem {
 namespace {
 
+void add(RowLoad& sum, const RowLoad& load) {
+  sum.elastic += load.elastic;
+  sum.damping += load.damping;
+  sum.friction += load.friction;
+  sum.friction_torque += load.friction_torque;
+}
+
+void set_wrench(Wrenches& wrenches, int b, const Eigen::Vector3d& force,
+                const Eigen::Vector3d& torque) {
+  wrenches.force[b] = force;
+  wrenches.torque[b] = torque;
+}
+
 /// Sums of one body over its particles.
 void gather(Bodies& bodies, const ParticleRows& rows, int b) {
+  const int begin = rows.body_begin[b], end = rows.body_begin[b + 1];
   RowLoad sum{};
-  Eigen::Vector3d elastic_torque = Eigen::Vector3d::Zero(), damping_torque = elastic_torque;
-  Eigen::Vector3d friction_torque = elastic_torque;
-  for (int k = rows.body_begin[b]; k < rows.body_begin[b + 1]; ++k) {
+  if (bodies.reach[b] == 0) {  // particles at the centre of mass: no arms
+    for (int k = begin; k < end; ++k) add(sum, rows.load[rows.body_rows[k]]);
+    const Eigen::Vector3d torque = to_vector(sum.friction_torque);
+    set_wrench(bodies.total, b, to_vector(sum.elastic + sum.damping + sum.friction), torque);
+    set_wrench(bodies.damping, b, to_vector(sum.damping), Eigen::Vector3d::Zero());
+    set_wrench(bodies.friction, b, to_vector(sum.friction), torque);
+    return;
+  }
+  const Lanes center = to_lanes(bodies.position[b]);
+  Lanes elastic_torque{}, damping_torque{}, friction_torque{};
+  for (int k = begin; k < end; ++k) {
     const int row = rows.body_rows[k];
     const RowLoad& load = rows.load[row];
-    sum.elastic += load.elastic;
-    sum.damping += load.damping;
-    sum.friction += load.friction;
-    sum.friction_torque += load.friction_torque;
-    if (bodies.reach[b] == 0) continue;
-    const Eigen::Vector3d arm = rows.motion[row].position() - bodies.position[b];
-    elastic_torque += arm.cross(to_vector(load.elastic));
-    damping_torque += arm.cross(to_vector(load.damping));
-    friction_torque += arm.cross(to_vector(load.friction));
+    const Lanes arm = rows.motion[row].place - center;
+    add(sum, load);
+    elastic_torque += cross(arm, load.elastic);
+    damping_torque += cross(arm, load.damping);
+    friction_torque += cross(arm, load.friction);
   }
-  friction_torque += to_vector(sum.friction_torque);
-  bodies.total.force[b] = to_vector(sum.elastic + sum.damping + sum.friction);
-  bodies.total.torque[b] = elastic_torque + damping_torque + friction_torque;
-  bodies.damping.force[b] = to_vector(sum.damping);
-  bodies.damping.torque[b] = damping_torque;
-  bodies.friction.force[b] = to_vector(sum.friction);
-  bodies.friction.torque[b] = friction_torque;
+  friction_torque += sum.friction_torque;
+  set_wrench(bodies.total, b, to_vector(sum.elastic + sum.damping + sum.friction),
+             to_vector(elastic_torque + damping_torque + friction_torque));
+  set_wrench(bodies.damping, b, to_vector(sum.damping), to_vector(damping_torque));
+  set_wrench(bodies.friction, b, to_vector(sum.friction), to_vector(friction_torque));
 }
 
 /// Adds a load from outside of the free bodies, and books it as such.
@@ -45,7 +61,7 @@ void apply(Bodies& bodies, int b, const Eigen::Vector3d& force, const Eigen::Vec
   sums.force += force;
   sums.torque += bodies.position[b].cross(force) + torque;
   sums.force_size += size;
-  sums.torque_size += bodies.position[b].norm() * size + torque.lpNorm<1>();
+  sums.torque_size += bodies.position[b].lpNorm<1>() * size + torque.lpNorm<1>();
 }
 
 void pull_at_drag(World& world, BodySums& sums) {
@@ -61,21 +77,6 @@ void pull_at_drag(World& world, BodySums& sums) {
   apply(world.bodies, b, world.drag_force, world.drag_torque, sums);
 }
 
-/// Kinetic energy (J) that half a step of the present load adds to a free body.
-double centring_energy(const Bodies& bodies, int b, double dt) {
-  const Eigen::Vector3d& force = bodies.total.force[b];
-  const Eigen::Vector3d& torque = bodies.total.torque[b];
-  const double all_axes = bodies.inverse_inertia_all_axes[b];
-  const double turning =
-      all_axes > 0 ? all_axes * torque.squaredNorm()
-                   : torque.dot(angular_velocity_of(bodies.inverse_inertia_b[b],
-                                                    bodies.orientation[b], torque));
-  const double power =
-      force.dot(bodies.linear_velocity[b]) + torque.dot(bodies.angular_velocity[b]);
-  return 0.5 * dt * power +
-         0.125 * dt * dt * (force.squaredNorm() * bodies.inverse_mass[b] + turning);
-}
-
 bool is_usable(const Bodies& bodies, int b) {
   constexpr double kLimit = 1e100;  // N, N m
   const double size = bodies.total.force[b].lpNorm<1>() + bodies.total.torque[b].lpNorm<1>();
@@ -87,8 +88,6 @@ void add_loads(World& world, int begin, int end, BodySums& block) {
   Bodies& bodies = world.bodies;
   const Eigen::Vector3d gravity = world.parameters.gravity;
   const double gravity_size = gravity.norm();
-  // Leapfrog ends its step with velocities and positions of the same time.
-  const double lag = world.parameters.integrator == Integrator::kSeed ? world.parameters.dt : 0;
   BodySums sums;
   for (int b = begin; b < end; ++b) {
     gather(bodies, world.rows, b);
@@ -100,18 +99,15 @@ void add_loads(World& world, int begin, int end, BodySums& block) {
       sums.force -= force;
       sums.torque -= position.cross(force) + torque;
     } else {
-      const Eigen::Vector3d weight = bodies.mass[b] * gravity;
       const double size = force.norm() + bodies.mass[b] * gravity_size;
       sums.force_size += size;
-      sums.torque_size += position.norm() * size + torque.lpNorm<1>();
-      sums.force += weight;
-      sums.torque += position.cross(weight);
-      force += weight;
+      // Sums of components are as good a measure of size as roots of squares, and cheaper.
+      sums.torque_size += position.lpNorm<1>() * size + torque.lpNorm<1>();
+      force += bodies.mass[b] * gravity;
       if (world.has_outside_wrench) {
         apply(bodies, b, bodies.outside.force[b], bodies.outside.torque[b], sums);
       }
       if (world.drag && world.drag->body == b) pull_at_drag(world, sums);
-      if (lag > 0) sums.centring_energy += centring_energy(bodies, b, lag);
     }
     if (!is_usable(bodies, b) && sums.unusable_body < 0) sums.unusable_body = b;
   }
@@ -122,16 +118,16 @@ void add_loads(World& world, int begin, int end, BodySums& block) {
 
 int load_bodies(World& world, double kick_duration) {
   Balance& balance = world.balance;
-  const BodySums now = sum_over_bodies(
-      balance.body_blocks, world.bodies.count(), *world.pool,
-      [&](BodySums& sums, int begin, int end) {
-        add_loads(world, begin, end, sums);
-        if (sums.unusable_body >= 0) return;
-        if (kick_duration > 0) kick(world, begin, end, kick_duration, sums);
-        audit(world.bodies, begin, end, world.parameters.gravity, sums);
-      });
+  const BodySums now = sum_over_bodies(balance.body_blocks, world.bodies.count(), *world.pool,
+                                       [&](BodySums& sums, int begin, int end) {
+                                         add_loads(world, begin, end, sums);
+                                         if (sums.unusable_body >= 0) return;
+                                         if (kick_duration > 0)
+                                           kick(world, begin, end, kick_duration, sums);
+                                         audit(world.bodies, begin, end, sums);
+                                       });
   if (now.unusable_body >= 0) return now.unusable_body;
-  book_state(balance, now);
+  book_state(balance, now, world.parameters.gravity);
   book_impulse(balance, kick_duration);
   book_work(balance, now);
   return -1;

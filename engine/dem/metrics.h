@@ -10,19 +10,19 @@ namespace verisim::dem {
 /// Summary of a run so far. Energies are those of the free bodies; potential energy is zero at the
 /// world's origin. Names follow `verisim simulate --json`.
 struct Metrics {
-  double max_penetration_m = 0;        // deepest overlap of any contact
-  double mean_penetration_m = 0;       // over all contacts of all steps
-  double energy_start_j = 0;           // kinetic + potential + elastic
-  double energy_end_j = 0;             //
-  double kinetic_energy_j = 0;         // at the end
-  double potential_energy_j = 0;       // at the end
-  double elastic_energy_j = 0;         // at the end
-  double damping_work_j = 0;           // taken out by the normal dashpots
-  double friction_work_j = 0;          // taken out by the tangential force
-  double outside_work_j = 0;           // put in by drag, prescribed motion and live edits
-  double energy_residual_rel = 0;      // |sum of the balance| / energy_scale_j
-  double energy_scale_j = 0;           // max kinetic + range of potential + max elastic
-  double momentum_residual_rel = 0;    // linear, over the sum of |impulse|
+  double max_penetration_m = 0;              // deepest overlap of any contact
+  double mean_penetration_m = 0;             // over all contacts of all steps
+  double energy_start_j = 0;                 // kinetic + potential + elastic
+  double energy_end_j = 0;                   //
+  double kinetic_energy_j = 0;               // at the end
+  double potential_energy_j = 0;             // at the end
+  double elastic_energy_j = 0;               // at the end
+  double damping_work_j = 0;                 // taken out by the normal dashpots
+  double friction_work_j = 0;                // taken out by the tangential force
+  double outside_work_j = 0;                 // put in by drag, prescribed motion and live edits
+  double energy_residual_rel = 0;            // |sum of the balance| / energy_scale_j
+  double energy_scale_j = 0;                 // max kinetic + range of potential + max elastic
+  double momentum_residual_rel = 0;          // linear, over the sum of |impulse|
   double angular_momentum_residual_rel = 0;  // about the origin, over the sum of |its impulse|
   long num_particles = 0;
   long max_contacts = 0;  // particle contacts at one time

@@ -38,8 +38,8 @@ void set_reference(Neighbours& neighbours, const Bodies& bodies, double dt) {
     const double diameter = 2 * bodies.particle_radius[b];
     const double speed =
         bodies.linear_velocity[b].norm() + bodies.angular_velocity[b].norm() * bodies.reach[b];
-    const double margin = std::clamp(kSteps * speed * dt, kLeastMargin * diameter,
-                                     kGreatestMargin * diameter);
+    const double margin =
+        std::clamp(kSteps * speed * dt, kLeastMargin * diameter, kGreatestMargin * diameter);
     neighbours.margin[b] = bodies.motion[b] == Motion::kFixed ? 0 : margin;
   }
 }
@@ -50,8 +50,8 @@ bool may_interact(const Bodies& bodies, int a, int b) {
 
 /// Marks the particles of a that lie in the box around b's particles.
 void mark_near(Neighbours& neighbours, const Bodies& bodies, int a, int b) {
-  const double gap = bodies.particle_radius[a] + bodies.particle_radius[b] +
-                     neighbours.margin[a] + neighbours.margin[b];
+  const double gap = bodies.particle_radius[a] + bodies.particle_radius[b] + neighbours.margin[a] +
+                     neighbours.margin[b];
   const double reach = bodies.reach[b] + gap;
   const Eigen::Quaterniond q_bw = bodies.orientation[b].conjugate();
   const Eigen::Vector3d room(gap, gap, gap);
@@ -157,8 +157,8 @@ void list_pairs(Neighbours& neighbours, const ParticleRows& rows, const Bodies& 
     }
     const double mass =
         effective_mass(inverse_particle_mass(bodies, a), inverse_particle_mass(bodies, b));
-    neighbours.pairs.push_back(
-        {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j) & kIndexBits, 0u, std::sqrt(mass)});
+    neighbours.pairs.push_back({static_cast<std::uint32_t>(i),
+                                static_cast<std::uint32_t>(j) & kIndexBits, 0u, std::sqrt(mass)});
   });
   neighbours.pair_begin.resize(rows.particle.size() + 1,
                                static_cast<std::uint32_t>(neighbours.pairs.size()));

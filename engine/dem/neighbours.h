@@ -46,10 +46,10 @@ struct Neighbours {
 
   // Scratch of the rebuild, kept for its memory.
   SphereGrid grid;
-  std::vector<Eigen::Vector3d> place;       // [N] particle centres
-  std::vector<std::uint8_t> near_another;   // [N] may touch a particle of another body
-  std::vector<int> row_of_particle;         // [N] -1: none
-  std::vector<Eigen::AlignedBox3d> box_b;   // [B] particle centres in body axes
+  std::vector<Eigen::Vector3d> place;      // [N] particle centres
+  std::vector<std::uint8_t> near_another;  // [N] may touch a particle of another body
+  std::vector<int> row_of_particle;        // [N] -1: none
+  std::vector<Eigen::AlignedBox3d> box_b;  // [B] particle centres in body axes
 };
 
 Neighbours make_neighbours(const Bodies& bodies, const Particles& particles, int num_threads);

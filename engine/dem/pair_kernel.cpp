@@ -21,8 +21,7 @@ struct Contact {
 VERISIM_INLINE void apply_law(Contact& contact, const RowMotion& i, const RowMotion& j,
                               double distance, double root_mass, const ContactLaw& law) {
   // Two particles whose centres coincide have no normal; they are pushed apart along z.
-  const Lanes normal =
-      distance > 0 ? (i.place - j.place) * (1 / distance) : Lanes{0, 0, 1, 0};
+  const Lanes normal = distance > 0 ? (i.place - j.place) * (1 / distance) : Lanes{0, 0, 1, 0};
   contact.overlap = i.place[3] + j.place[3] - distance;
   // Contact point: i's centre - arm_i * normal = j's centre + arm_j * normal.
   contact.arm_i = i.place[3] - 0.5 * contact.overlap;

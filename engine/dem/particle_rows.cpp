@@ -31,8 +31,7 @@ void refresh_rows(ParticleRows& rows, const Bodies& bodies, const Particles& par
       }
       const Eigen::Vector3d arm = bodies.orientation[b] * particles.offset_b[rows.particle[row]];
       motion.place = to_lanes(bodies.position[b] + arm, radius);
-      motion.velocity =
-          to_lanes(bodies.linear_velocity[b] + bodies.angular_velocity[b].cross(arm));
+      motion.velocity = to_lanes(bodies.linear_velocity[b] + bodies.angular_velocity[b].cross(arm));
     }
   });
 }

@@ -38,8 +38,8 @@ struct ParticleRows {
   std::vector<RowLoad> load;
 
   // Rows of each body, by rising particle index.
-  std::vector<int> body_begin;   // [B + 1] into body_rows
-  std::vector<int> body_rows;    // [R]
+  std::vector<int> body_begin;  // [B + 1] into body_rows
+  std::vector<int> body_rows;   // [R]
 
   int count() const { return static_cast<int>(particle.size()); }
 };

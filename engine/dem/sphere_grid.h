@@ -31,7 +31,7 @@ constexpr int kMaxLevels = 32;
 struct SphereGrid {
   struct Level {
     int level;
-    double cell_size;     // m, at least twice the radius of each sphere on this level
+    double cell_size;        // m, at least twice the radius of each sphere on this level
     std::size_t begin, end;  // items
   };
   std::vector<SphereGridItem> items;

@@ -18,7 +18,7 @@ StepReport step(World& world) {
   report.nonfinite_body = evaluate_forces(world, kicks_twice ? dt / 2 : 0);  // forces.cpp
   world.halted = report.nonfinite_body >= 0;
   if (world.halted) return report;
-  count_step(world.balance);                                                 // balance.cpp
+  count_step(world.balance);  // balance.cpp
 
   ++world.steps;
   const ContactSums& contacts = world.balance.contacts;

@@ -15,9 +15,9 @@ void require(bool holds, const std::string& what) {
 }
 
 void require_number(double value, double least, const std::string& name) {
-  require(std::isfinite(value) && value >= least,
-          name + " is " + std::to_string(value) + "; it must be finite and at least " +
-              std::to_string(least));
+  require(std::isfinite(value) && value >= least, name + " is " + std::to_string(value) +
+                                                      "; it must be finite and at least " +
+                                                      std::to_string(least));
 }
 
 /// Makes a change and books what it did to the stored energy as work of outside agents.
@@ -134,13 +134,11 @@ Metrics metrics_of(const World& world) {
   metrics.outside_work_j = balance.outside_work;
   metrics.energy_scale_j = balance.energy_scale();
   metrics.energy_residual_rel = ratio(std::abs(balance.energy_residual()), balance.energy_scale());
-  metrics.momentum_residual_rel =
-      ratio((balance.momentum - balance.momentum_start - balance.impulse).norm(),
-            balance.impulse_size);
-  metrics.angular_momentum_residual_rel =
-      ratio((balance.angular_momentum - balance.angular_momentum_start - balance.angular_impulse)
-                .norm(),
-            balance.angular_impulse_size);
+  metrics.momentum_residual_rel = ratio(
+      (balance.momentum - balance.momentum_start - balance.impulse).norm(), balance.impulse_size);
+  metrics.angular_momentum_residual_rel = ratio(
+      (balance.angular_momentum - balance.angular_momentum_start - balance.angular_impulse).norm(),
+      balance.angular_impulse_size);
   metrics.num_particles = world.particles.count();
   metrics.max_contacts = balance.max_contacts;
   return metrics;

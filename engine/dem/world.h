@@ -23,10 +23,10 @@ namespace verisim::dem {
 /// A spring from a point of a body to a point of the world: the mouse in the viewer.
 struct Drag {
   int body = -1;
-  Eigen::Vector3d grip_b = Eigen::Vector3d::Zero();    // m, body frame, from the centre of mass
-  Eigen::Vector3d target = Eigen::Vector3d::Zero();    // m, world
-  double stiffness = 0;                                // N/m
-  double damping = 0;                                  // N s/m
+  Eigen::Vector3d grip_b = Eigen::Vector3d::Zero();  // m, body frame, from the centre of mass
+  Eigen::Vector3d target = Eigen::Vector3d::Zero();  // m, world
+  double stiffness = 0;                              // N/m
+  double damping = 0;                                // N s/m
 };
 
 /// Values that may change between steps; use the set_ functions, they keep the books.
@@ -45,26 +45,26 @@ struct World {
   Particles particles;
   double time = 0;  // s
   long steps = 0;
-  bool halted = false;  // a load was not finite: step does nothing any more
+  bool halted = false;              // a load was not finite: step does nothing any more
   bool has_outside_wrench = false;  // of any body
   std::optional<Drag> drag;
   Eigen::Vector3d drag_force = Eigen::Vector3d::Zero();   // N, at the last evaluation
   Eigen::Vector3d drag_torque = Eigen::Vector3d::Zero();  // N m
 
-  Neighbours neighbours;            // which particles may touch soon
-  ParticleRows rows;                // those particles, in cell order: place, motion, force
-  ContactBook contacts;             // which bodies touch, and this step's events
-  Balance balance;                  // energies, work and momentum so far
+  Neighbours neighbours;  // which particles may touch soon
+  ParticleRows rows;      // those particles, in cell order: place, motion, force
+  ContactBook contacts;   // which bodies touch, and this step's events
+  Balance balance;        // energies, work and momentum so far
   std::unique_ptr<ThreadPool> pool;
 };
 
 /// What one step saw.
 struct StepReport {
-  int nonfinite_body = -1;       // first body whose load is not finite; the state is the last good
-  bool too_deep = false;         // an overlap beyond half a particle diameter
-  double max_overlap = 0;        // m
-  double energy_gain = 0;        // J, beyond start and outside work; <= 0 but for errors
-  long num_contacts = 0;         // particle contacts at the end of the step
+  int nonfinite_body = -1;  // first body whose load is not finite; the state is the last good
+  bool too_deep = false;    // an overlap beyond half a particle diameter
+  double max_overlap = 0;   // m
+  double energy_gain = 0;   // J, beyond start and outside work; <= 0 but for errors
+  long num_contacts = 0;    // particle contacts at the end of the step
 };
 
 /// A world at time 0 with its forces evaluated.
@@ -77,10 +77,10 @@ StepReport step(World& world);
 // Changes between steps. Energy that a change gives or takes is booked as work of outside agents.
 // Values that are not finite or out of range throw std::invalid_argument.
 void set_gravity(World& world, const Eigen::Vector3d& gravity);
-void set_stiffness(World& world, double stiffness);              // N/m, > 0
-void set_damping_ratio(World& world, double ratio);              // >= 0
-void set_tangential_damping_ratio(World& world, double ratio);   // >= 0
-void set_dt(World& world, double dt);                            // s, > 0
+void set_stiffness(World& world, double stiffness);             // N/m, > 0
+void set_damping_ratio(World& world, double ratio);             // >= 0
+void set_tangential_damping_ratio(World& world, double ratio);  // >= 0
+void set_dt(World& world, double dt);                           // s, > 0
 void set_integrator(World& world, Integrator integrator);
 /// Force (N) through the centre of mass and torque (N m) on a free body, held until set again.
 void set_outside_wrench(World& world, int body, const Eigen::Vector3d& force,

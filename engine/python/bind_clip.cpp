@@ -1,38 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Clips in Python: poses in, an mp4 and its facts out, the GIL released while drawing.
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
 #include "clip/clip_error.h"
 #include "clip/pipeline.h"
 #include "clip/visualise.h"
 #include "python/module.h"
+#include "python/pose_arrays.h"
 
 namespace nb = nanobind;
 
 namespace verisim::python {
 namespace {
-
-using Times = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Arrays = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
-
-dem::PoseLog pose_log_of(const scene::Scene& scene, const Times& times, const Arrays& positions,
-                         const Arrays& orientations) {
-  dem::PoseLog log;
-  for (const scene::Body& body : scene.bodies) log.names.push_back(body.name);
-  log.times.assign(times.data(), times.data() + times.shape(0));
-  for (std::size_t t = 0; t < times.shape(0); ++t) {
-    for (std::size_t b = 0; b < log.num_bodies(); ++b) {
-      dem::Pose pose;
-      pose.position = {positions(t, b, 0), positions(t, b, 1), positions(t, b, 2)};
-      pose.orientation = Eigen::Quaterniond(orientations(t, b, 0), orientations(t, b, 1),
-                                            orientations(t, b, 2), orientations(t, b, 3))
-                             .normalized();
-      log.poses.push_back(pose);
-    }
-  }
-  return log;
-}
 
 nb::dict info_dict(const clip::ClipInfo& info, const clip::EncoderOptions& encoder) {
   nb::dict settings;
@@ -54,10 +33,11 @@ nb::dict info_dict(const clip::ClipInfo& info, const clip::EncoderOptions& encod
   return d;
 }
 
-nb::typed<nb::dict, nb::str, nb::object> render_clip(const scene::Scene& scene, const Times& times, const Arrays& positions,
-                     const Arrays& orientations, const std::string& output, int width, int height,
-                     const std::string& profile, const std::string& gl, const std::string& show,
-                     int raster_threads, const nb::object& progress) {
+nb::typed<nb::dict, nb::str, nb::object> render_clip(
+    const scene::Scene& scene, const TimeArray& times, const PoseArray& positions,
+    const PoseArray& orientations, const std::string& output, int width, int height,
+    const std::string& profile, const std::string& gl, const std::string& show, int raster_threads,
+    const nb::object& progress) {
   clip::ClipOptions options;
   options.path = output;
   options.encoder.width = width;

@@ -24,7 +24,8 @@ nb::list list_of(const Eigen::Vector3d& v) {
   return list;
 }
 
-nb::typed<nb::dict, nb::str, nb::object> inspect_shape(const std::string& file, std::optional<double> particle_size) {
+nb::typed<nb::dict, nb::str, nb::object> inspect_shape(const std::string& file,
+                                                       std::optional<double> particle_size) {
   const shape::Mesh mesh = shape::load_mesh(file);
   const std::vector<shape::MeshProblem> problems = shape::check_mesh(mesh);
   nb::list messages;

@@ -9,7 +9,7 @@
 namespace verisim::scene {
 
 struct BuiltScene {
-  dem::WorldDefinition world;          // every parameter chosen
+  dem::WorldDefinition world;       // every parameter chosen
   std::vector<shape::Mesh> meshes;  // surface per body: body axes, from the centre of mass, m
 };
 

@@ -53,8 +53,8 @@ TEST_CASE("a_bounce_follows_the_damped_oscillator_and_converges") {
       const double coarse = contact_error(integrator, ratio, 4e-5);
       const double fine = contact_error(integrator, ratio, 2e-5);
       const double order = std::log2(coarse / fine);
-      MESSAGE(to_string(integrator) << " ratio " << ratio << ": error " << fine << " m, order "
-                                    << order);
+      MESSAGE(to_string(integrator)
+              << " ratio " << ratio << ": error " << fine << " m, order " << order);
       const bool is_second = integrator == Integrator::kRkmk4 && ratio == 0;
       CHECK(fine < (is_second ? 1e-7 : 6e-5));
       CHECK(order > (is_second ? 1.9 : 0.9));

@@ -40,8 +40,8 @@ TEST_CASE("a_ball_that_drops_and_bounces_with_default_settings_does_not_fail") {
 
 TEST_CASE("a_cube_that_drops_on_a_corner_with_default_settings_does_not_fail") {
   BodyDefinition body = cube(0.1, 5, 0.7, {0, 0, 0.6});
-  body.initial.orientation = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d(1, 1, 1),
-                                                                Eigen::Vector3d::UnitZ());
+  body.initial.orientation =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d(1, 1, 1), Eigen::Vector3d::UnitZ());
   WorldDefinition definition = with_floor(world_of({body}, 1, 1));
   definition.seed = default_seed_settings(definition);
   definition.dt = default_dt(definition);
@@ -132,7 +132,8 @@ TEST_CASE("a_body_that_keeps_bouncing_jitters") {
 }
 
 TEST_CASE("every_problem_of_a_definition_is_named_at_once") {
-  WorldDefinition definition = world_of({ball(0.05, -1, {0, 0, 1}), ball(0.05, 1, {0, 0, 2})}, -5, 0);
+  WorldDefinition definition =
+      world_of({ball(0.05, -1, {0, 0, 1}), ball(0.05, 1, {0, 0, 2})}, -5, 0);
   definition.bodies[0].name = "first";
   definition.bodies[1].name = "second";
   definition.bodies[1].initial.orientation = Eigen::Quaterniond(1, 1, 0, 0);
@@ -141,7 +142,8 @@ TEST_CASE("every_problem_of_a_definition_is_named_at_once") {
     FAIL("accepted");
   } catch (const std::invalid_argument& error) {
     const std::string text = error.what();
-    for (const char* part : {"dt", "stiffness", "body first: mass is -1", "body second: orientation"}) {
+    for (const char* part :
+         {"dt", "stiffness", "body first: mass is -1", "body second: orientation"}) {
       CHECK(text.find(part) != std::string::npos);
     }
   }

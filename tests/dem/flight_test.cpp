@@ -37,10 +37,9 @@ TEST_CASE("a_fixed_body_stays_and_a_prescribed_one_follows_its_path_whatever_hit
   low.linear_velocity = high.linear_velocity = Eigen::Vector3d(0, 0, 0.5);
   high.position.z() = 0.5;
   lift.prescribed = {{0, 1}, {low, high}};
-  WorldDefinition definition =
-      world_of({shelf, lift, ball(0.05, 5, Eigen::Vector3d(0, 0, 0.2)),
-                ball(0.05, 5, Eigen::Vector3d(1, 0, 0.2))},
-               1e5, 1e-4);
+  WorldDefinition definition = world_of({shelf, lift, ball(0.05, 5, Eigen::Vector3d(0, 0, 0.2)),
+                                         ball(0.05, 5, Eigen::Vector3d(1, 0, 0.2))},
+                                        1e5, 1e-4);
   World world = make_world(definition);
   run_steps(world, 5000);
   CHECK(world.bodies.position[0] == Eigen::Vector3d(0, 0, 0));

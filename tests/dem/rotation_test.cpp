@@ -71,7 +71,7 @@ TEST_CASE("rkmk4_keeps_energy_and_angular_momentum_in_free_rotation") {
   World world = rotor_world(Integrator::kRkmk4, 0.01, Eigen::Vector3d(0.1, 1, 0.1));
   const Eigen::Vector3d momentum = world.bodies.angular_momentum[0];
   const double energy = world.balance.kinetic_energy;
-  run_steps(world, 10000);  // 100 s
+  run_steps(world, 10000);                              // 100 s
   CHECK(world.bodies.angular_momentum[0] == momentum);  // bitwise
   CHECK(std::abs(world.balance.kinetic_energy / energy - 1) < 1e-9);
   CHECK(std::abs(world.bodies.orientation[0].norm() - 1) < 1e-15);

@@ -23,8 +23,7 @@ Pairs by_grid(SphereGrid& grid) {
     CHECK(i < j);
     CHECK(i >= last_i);
     last_i = i;
-    const bool is_new =
-        pairs.insert(std::minmax(grid.items[i].id, grid.items[j].id)).second;
+    const bool is_new = pairs.insert(std::minmax(grid.items[i].id, grid.items[j].id)).second;
     CHECK(is_new);
   });
   return pairs;

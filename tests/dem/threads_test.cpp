@@ -30,9 +30,8 @@ WorldDefinition pile(int num_threads) {
 std::vector<double> bits_of(const World& world) {
   std::vector<double> bits;
   for (int b = 0; b < world.bodies.count(); ++b) {
-    for (const Eigen::Vector3d* v :
-         {&world.bodies.position[b], &world.bodies.linear_velocity[b],
-          &world.bodies.angular_momentum[b]}) {
+    for (const Eigen::Vector3d* v : {&world.bodies.position[b], &world.bodies.linear_velocity[b],
+                                     &world.bodies.angular_momentum[b]}) {
       bits.insert(bits.end(), v->data(), v->data() + 3);
     }
     const double* q = world.bodies.orientation[b].coeffs().data();

@@ -35,18 +35,20 @@ int luma_at(const Still& still, const Pixels& pixels, const PixelPosition& at) {
   return (2 * pixels[index] + 7 * pixels[index + 1] + pixels[index + 2]) / 10;
 }
 
-/// Mean position and number of the pixels that differ.
+/// Mean position and number of the pixels that differ by more than `tolerance` in a channel.
 struct Difference {
   PixelPosition center;
   int num_pixels;
 };
 
-Difference difference(const Still& still, const Pixels& a, const Pixels& b) {
+Difference difference(const Still& still, const Pixels& a, const Pixels& b, int tolerance = 0) {
   Difference found{{0, 0}, 0};
   for (int y = 0; y < still.height; ++y) {
     for (int x = 0; x < still.width; ++x) {
       const auto index = 4 * (static_cast<std::size_t>(y) * still.width + x);
-      if (std::equal(&a[index], &a[index] + 3, &b[index])) continue;
+      int worst = 0;
+      for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(a[index + c] - b[index + c]));
+      if (worst <= tolerance) continue;
       found.center.x += x + 0.5;
       found.center.y += y + 0.5;
       ++found.num_pixels;
@@ -76,27 +78,25 @@ TEST_CASE("a_ball_appears_where_the_pin_hole_camera_puts_it") {
 }
 
 TEST_CASE("the_shadow_of_a_resting_box_touches_the_box") {
-  const Still empty = empty_still();
-  Still still = empty;
-  still.width = 640;
-  still.height = 360;
-  Still without = still;
+  Still without = empty_still();
+  without.scene.sun.direction = {-0.6, 0, 0.8};  // from the left: the shadow falls in sight
+  without.width = 640;
+  without.height = 360;
+  Still still = without;
   still.add_box({0.2, 0.2, 0.2}, {0, 0, 0.1});
   const Pixels with_box = picture_of(still), background = picture_of(without);
-  // From the middle of the bottom edge on the shaded side, away from the sun along the ground.
-  const Eigen::Vector3d& sun = still.scene.sun.direction;
-  const Eigen::Vector3d away = -Eigen::Vector3d(sun.x(), sun.y(), 0).normalized();
-  const bool along_x = std::abs(away.x()) > std::abs(away.y());
-  const Eigen::Vector3d side = along_x ? Eigen::Vector3d(std::copysign(0.1, away.x()), 0, 0)
-                                       : Eigen::Vector3d(0, std::copysign(0.1, away.y()), 0);
-  for (const double gap : {0.004, 0.01, 0.03}) {  // m; 0.004 is 1.5 pixels
+  for (const double gap : {0.004, 0.01, 0.03, 0.1}) {  // m from the box; 0.004 is 1.5 pixels
     CAPTURE(gap);
-    const PixelPosition at = project(still, side * (1 + gap / 0.1));
-    // measured 0.24 to 0.31 of the sunlit luma
+    const PixelPosition at = project(still, {0.1 + gap, 0, 0});
+    // measured 0.61 to 0.64 of the sunlit luma
     CHECK(luma_at(still, with_box, at) < 0.75 * luma_at(without, background, at));
+    CHECK(luma_at(still, with_box, at) > 0.4 * luma_at(without, background, at));
   }
-  const PixelPosition sunny = project(still, -side * 3);
-  CHECK(luma_at(still, with_box, sunny) == luma_at(without, background, sunny));
+  // The box is 0.2 m high and the sun's slope 4 to 3: its shadow ends 0.15 m from the box.
+  for (const Eigen::Vector3d& sunny : {Eigen::Vector3d(0.27, 0, 0), Eigen::Vector3d(-0.2, 0, 0)}) {
+    const PixelPosition at = project(still, sunny);
+    CHECK(luma_at(still, with_box, at) == luma_at(without, background, at));
+  }
 }
 
 TEST_CASE("rotation_of_a_ball_shows") {
@@ -107,8 +107,8 @@ TEST_CASE("rotation_of_a_ball_shows") {
   for (const Eigen::Vector3d& axis :
        {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)}) {
     turned.poses[0].orientation = Eigen::AngleAxisd(0.1, axis);
-    // measured 486 to 488
-    CHECK(difference(still, upright, picture_of(turned)).num_pixels > 150);
+    // measured 174 or more; shading that follows the triangles alone stays within 10 levels
+    CHECK(difference(still, upright, picture_of(turned), 10).num_pixels > 100);
   }
 }
 
