@@ -99,7 +99,7 @@ def read_finished(folder: Folder, task: Task) -> dict[str, Any] | None:
             sidecar.get("content_key") == task.content_key
             and sidecar.get("stimulus") == name
             and sidecar.get("video_sha256") == file_sha256(folder.clip(name))
-            
+            and sidecar.get("poses_sha256") == file_sha256(folder.pose_log(name))
         )
     except (OSError, ValueError, AttributeError):
         return None

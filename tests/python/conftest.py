@@ -5,13 +5,10 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-ROOT = Path(__file__).resolve().parent.parent.parent
-Command = Callable[..., "subprocess.CompletedProcess[str]"]
+from command_line import Command
 
 BOUNCE = """\
 schema: 1

@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from conftest import Command
+from command_line import Command
 
 SMALL = ("--size", "160x90", "--set", "duration_s=0.2")
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT, Command
+from command_line import ROOT, Command
 
 from verisim import engine
 from verisim.pose_log import PoseLog, PoseLogError

@@ -125,6 +125,16 @@ def test_a_clip_that_cannot_be_made_is_named_and_the_others_are_kept(library: Pa
     assert build_set(file, directory).kept == [HIGH]
 
 
+def test_a_manifest_never_stands_beside_an_incomplete_set(built: Path, library: Path) -> None:
+    file = write_set(library, BALL_SET.replace("low: 500", "low: 600"))
+    clip = built / "clips" / f"{LOW}.mp4"
+    clip.unlink()
+    clip.mkdir()
+    with pytest.raises(StimuliError):
+        build_set(file, built)
+    assert not (built / "manifest.csv").exists()
+
+
 def test_a_run_whose_physics_fails_still_gives_its_clip(library: Path) -> None:
     file = write_set(library, BALL_SET.replace("low: 500", "low: 0.001"))  # falls through
     result = build_set(file, library / "out")
