@@ -7,7 +7,7 @@
 namespace verisim::dem {
 
 void ContactSums::add(const ContactSums& other) {
-  elastic_energy += other.elastic_energy;
+  squared_overlap += other.squared_overlap;
   overlap += other.overlap;
   max_overlap = std::max(max_overlap, other.max_overlap);
   max_excess = std::max(max_excess, other.max_excess);

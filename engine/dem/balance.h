@@ -14,10 +14,11 @@ namespace verisim::dem {
 
 /// Sums over the contacts of one evaluation.
 struct ContactSums {
-  double elastic_energy = 0;  // J
-  double overlap = 0;         // m
-  double max_overlap = 0;     // m
-  double max_excess = -1;     // m, greatest overlap beyond half a particle diameter; < 0: none
+  double squared_overlap = 0;  // m^2
+  double elastic_energy = 0;   // J, set for the sum over all blocks
+  double overlap = 0;          // m
+  double max_overlap = 0;      // m
+  double max_excess = -1;      // m, greatest overlap beyond half a particle diameter; < 0: none
   long num_contacts = 0;
   Eigen::Vector3d plane_force = Eigen::Vector3d::Zero();   // N, of planes on bodies
   Eigen::Vector3d plane_torque = Eigen::Vector3d::Zero();  // N m, the same about the origin

@@ -13,10 +13,10 @@ namespace {
 bool add_plane_contact(RowLoad& load, ContactSums& sums, const RowMotion& i, PlanePair& pair,
                        const PlaneDefinition& plane, const ContactLaw& law,
                        double& normal_velocity) {
-  const Eigen::Vector3d position = i.position(), spin = to_vector(i.spin);
+  const Eigen::Vector3d position = i.place.vector(), spin = i.spin.vector();
   const double overlap = i.radius() + plane.offset - plane.normal.dot(position);
   const double arm = i.radius() - 0.5 * overlap;  // m, from the centre to the contact point
-  const Eigen::Vector3d velocity = to_vector(i.velocity) - arm * spin.cross(plane.normal);
+  const Eigen::Vector3d velocity = i.velocity.vector() - arm * spin.cross(plane.normal);
   normal_velocity = velocity.dot(plane.normal);
   if (overlap <= 0) return false;
 
@@ -25,15 +25,15 @@ bool add_plane_contact(RowLoad& load, ContactSums& sums, const RowMotion& i, Pla
       (-law.damping_rate * pair.root_mass * normal_velocity) * plane.normal;
   const Eigen::Vector3d friction =
       (-law.tangential_rate * pair.root_mass) * (velocity - normal_velocity * plane.normal);
-  load.elastic += to_lanes(elastic);
-  load.damping += to_lanes(damping);
-  load.friction += to_lanes(friction);
-  load.friction_torque -= to_lanes(arm * plane.normal.cross(friction));
+  load.elastic.add(elastic);
+  load.damping.add(damping);
+  load.friction.add(friction);
+  load.friction_torque.add(-arm * plane.normal.cross(friction));
 
   const Eigen::Vector3d force = elastic + damping + friction;
   sums.plane_force += force;
   sums.plane_torque += (position - arm * plane.normal).cross(force);
-  sums.elastic_energy += 0.5 * law.stiffness * overlap * overlap;
+  sums.squared_overlap += overlap * overlap;
   sums.overlap += overlap;
   sums.max_overlap = std::max(sums.max_overlap, overlap);
   sums.max_excess = std::max(sums.max_excess, overlap - i.radius());
@@ -41,11 +41,10 @@ bool add_plane_contact(RowLoad& load, ContactSums& sums, const RowMotion& i, Pla
   return true;
 }
 
-/// Starts the loads of a row with those of its planes.
+/// Adds the loads of a row's planes.
 void add_planes(const PairRange& range, int row, const std::vector<PlaneDefinition>& planes,
                 std::vector<Transition>& transitions, ContactSums& sums) {
   RowLoad& load = range.rows.load[row];
-  load = RowLoad{};
   Neighbours& lists = range.neighbours;
   for (std::uint32_t k = lists.plane_begin[row]; k < lists.plane_begin[row + 1]; ++k) {
     PlanePair& pair = lists.plane_pairs[k];
@@ -83,6 +82,7 @@ ContactSums evaluate_contacts(ParticleRows& rows, Neighbours& neighbours, Contac
   });
   ContactSums total;
   for (const ContactSums& sums : block_sums) total.add(sums);
+  total.elastic_energy = 0.5 * law.stiffness * total.squared_overlap;
   return total;
 }
 

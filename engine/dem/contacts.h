@@ -12,7 +12,7 @@
 
 namespace verisim::dem {
 
-/// Sets `rows.load` from the overlaps, and notes in `book` which contacts began or ended.
+/// Adds to `rows.load`, which must be zero, and notes in `book` which contacts began or ended.
 /// Each particle adds its planes, then its partners by rising row, whatever the number of threads.
 /// block_sums: scratch, one per block of rows, added up in order of blocks.
 ContactSums evaluate_contacts(ParticleRows& rows, Neighbours& neighbours, ContactBook& book,

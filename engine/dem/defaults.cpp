@@ -78,7 +78,7 @@ double fall_of(const WorldDefinition& definition, const BodyDefinition& body) {
   double lowest = start;
   for (const PlaneDefinition& plane : definition.planes) {
     const double slope = plane.normal.dot(up);
-    if (slope <= 0) continue;
+    if (slope < 0.1) continue;  // a wall: nothing falls onto it
     const double gap = (plane.normal.dot(body.initial.position) - plane.offset) / slope;
     lowest = std::min(lowest, start - gap);
   }

@@ -110,7 +110,7 @@ void FailureWatch::note_deep_pairs(const World& world) {
     if (!pair.touches) continue;
     const RowMotion& i = rows.motion[pair.i];
     const RowMotion& j = rows.motion[pair.j];
-    const double overlap = i.radius() + j.radius() - (i.position() - j.position()).norm();
+    const double overlap = i.radius() + j.radius() - (i.place.vector() - j.place.vector()).norm();
     if (overlap <= std::min(i.radius(), j.radius())) continue;
     const int a = std::min(rows.body[pair.i], rows.body[pair.j]);
     const int b = std::max(rows.body[pair.i], rows.body[pair.j]);
@@ -125,7 +125,7 @@ void FailureWatch::note_deep_pairs(const World& world) {
   for (const PlanePair& pair : lists.plane_pairs) {
     const RowMotion& i = rows.motion[pair.row];
     const PlaneDefinition& plane = world.planes[pair.plane];
-    const double overlap = i.radius() + plane.offset - plane.normal.dot(i.position());
+    const double overlap = i.radius() + plane.offset - plane.normal.dot(i.place.vector());
     if (overlap <= i.radius()) continue;
     const int b = rows.body[pair.row];
     fail(world, "penetration", b, world.time,

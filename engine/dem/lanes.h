@@ -8,20 +8,33 @@
 
 namespace verisim::dem {
 
-// The compiler's own vector type: one register with AVX, two with SSE2, the same bits from both,
+/// Three components and one more value, as they lie in memory.
+struct alignas(32) Quad {
+  double x = 0, y = 0, z = 0, w = 0;
+
+  Quad() = default;
+  explicit Quad(const Eigen::Vector3d& v, double fourth = 0)
+      : x(v.x()), y(v.y()), z(v.z()), w(fourth) {}
+  Eigen::Vector3d vector() const { return {x, y, z}; }
+  void add(const Eigen::Vector3d& v) {
+    x += v.x();
+    y += v.y();
+    z += v.z();
+  }
+};
+
+// The compiler's own vector type: one register with AVX2, two with SSE2, the same bits from both,
 // because each operation is rounded by itself (no fused multiply-add; the build forbids it).
+// Only for loops compiled for AVX2 too: SSE2 code that builds such values one by one is slow.
 // The alignment must be said: without AVX the compiler would take 16, and 32 in the AVX2 loop.
-using Lanes = double __attribute__((vector_size(32), aligned(32)));
+using Lanes = double __attribute__((vector_size(32), aligned(32), may_alias));
 
 // g++ warns, where they are called, that functions return such a value differently with AVX. All
 // that do are inlined, so nothing is returned.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-VERISIM_INLINE Lanes to_lanes(const Eigen::Vector3d& v, double fourth = 0) {
-  return Lanes{v.x(), v.y(), v.z(), fourth};
-}
-
-VERISIM_INLINE Eigen::Vector3d to_vector(const Lanes& v) { return {v[0], v[1], v[2]}; }
+VERISIM_INLINE Lanes load(const Quad& quad) { return *reinterpret_cast<const Lanes*>(&quad); }
+VERISIM_INLINE void store(Quad& quad, const Lanes& v) { *reinterpret_cast<Lanes*>(&quad) = v; }
 
 /// Of the first three lanes.
 VERISIM_INLINE double dot(const Lanes& a, const Lanes& b) {

@@ -2,19 +2,12 @@
 // Sums forces to bodies: from their particles, gravity, and whoever pulls from outside.
 #include "dem/loads.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "dem/advance.h"
 
 namespace verisim::dem {
 namespace {
-
-void add(RowLoad& sum, const RowLoad& load) {
-  sum.elastic += load.elastic;
-  sum.damping += load.damping;
-  sum.friction += load.friction;
-  sum.friction_torque += load.friction_torque;
-}
 
 void set_wrench(Wrenches& wrenches, int b, const Eigen::Vector3d& force,
                 const Eigen::Vector3d& torque) {
@@ -22,34 +15,30 @@ void set_wrench(Wrenches& wrenches, int b, const Eigen::Vector3d& force,
   wrenches.torque[b] = torque;
 }
 
-/// Sums of one body over its particles.
-void gather(Bodies& bodies, const ParticleRows& rows, int b) {
-  const int begin = rows.body_begin[b], end = rows.body_begin[b + 1];
-  RowLoad sum{};
-  if (bodies.reach[b] == 0) {  // particles at the centre of mass: no arms
-    for (int k = begin; k < end; ++k) add(sum, rows.load[rows.body_rows[k]]);
-    const Eigen::Vector3d torque = to_vector(sum.friction_torque);
-    set_wrench(bodies.total, b, to_vector(sum.elastic + sum.damping + sum.friction), torque);
-    set_wrench(bodies.damping, b, to_vector(sum.damping), Eigen::Vector3d::Zero());
-    set_wrench(bodies.friction, b, to_vector(sum.friction), torque);
-    return;
-  }
-  const Lanes center = to_lanes(bodies.position[b]);
-  Lanes elastic_torque{}, damping_torque{}, friction_torque{};
-  for (int k = begin; k < end; ++k) {
+/// Sums of one body over its particles, which are left at zero for the next evaluation: here they
+/// are in the cache, a pass of its own would fetch them again.
+void gather(Bodies& bodies, ParticleRows& rows, int b) {
+  const bool has_arms = bodies.reach[b] > 0;
+  Eigen::Vector3d elastic = Eigen::Vector3d::Zero(), elastic_torque = elastic;
+  Eigen::Vector3d damping = elastic, damping_torque = elastic;
+  Eigen::Vector3d friction = elastic, friction_torque = elastic;
+  for (int k = rows.body_begin[b]; k < rows.body_begin[b + 1]; ++k) {
     const int row = rows.body_rows[k];
-    const RowLoad& load = rows.load[row];
-    const Lanes arm = rows.motion[row].place - center;
-    add(sum, load);
-    elastic_torque += cross(arm, load.elastic);
-    damping_torque += cross(arm, load.damping);
-    friction_torque += cross(arm, load.friction);
+    const RowLoad load = std::exchange(rows.load[row], RowLoad{});
+    elastic += load.elastic.vector();
+    damping += load.damping.vector();
+    friction += load.friction.vector();
+    friction_torque += load.friction_torque.vector();
+    if (!has_arms) continue;
+    const Eigen::Vector3d arm = rows.motion[row].place.vector() - bodies.position[b];
+    elastic_torque += arm.cross(load.elastic.vector());
+    damping_torque += arm.cross(load.damping.vector());
+    friction_torque += arm.cross(load.friction.vector());
   }
-  friction_torque += sum.friction_torque;
-  set_wrench(bodies.total, b, to_vector(sum.elastic + sum.damping + sum.friction),
-             to_vector(elastic_torque + damping_torque + friction_torque));
-  set_wrench(bodies.damping, b, to_vector(sum.damping), to_vector(damping_torque));
-  set_wrench(bodies.friction, b, to_vector(sum.friction), to_vector(friction_torque));
+  set_wrench(bodies.total, b, elastic + damping + friction,
+             elastic_torque + damping_torque + friction_torque);
+  set_wrench(bodies.damping, b, damping, damping_torque);
+  set_wrench(bodies.friction, b, friction, friction_torque);
 }
 
 /// Adds a load from outside of the free bodies, and books it as such.

@@ -12,9 +12,9 @@ namespace verisim::dem {
 namespace {
 
 // A longer margin means fewer rebuilds and more pairs that do not touch. In a settled bed the
-// least margin (5 % of a diameter) holds for hundreds of steps; a fast body gets kSteps steps,
+// least margin (1.5 % of a diameter) holds for hundreds of steps; a fast body gets kSteps steps,
 // up to half a diameter, beyond which the lists grow faster than the rebuilds get rarer.
-constexpr double kLeastMargin = 0.05;    // of a particle diameter
+constexpr double kLeastMargin = 0.015;   // of a particle diameter
 constexpr double kGreatestMargin = 0.5;  // of a particle diameter
 constexpr double kSteps = 20;
 
@@ -121,7 +121,7 @@ void choose_rows(Neighbours& neighbours, ParticleRows& rows, const Bodies& bodie
   rows.particle.resize(count);
   rows.body.resize(count);
   rows.motion.resize(count);
-  rows.load.resize(count);
+  rows.load.assign(count, RowLoad{});
   rows.body_rows.resize(count);
   std::fill(neighbours.row_of_particle.begin(), neighbours.row_of_particle.end(), -1);
   for (std::size_t row = 0; row < count; ++row) {
@@ -183,16 +183,16 @@ void list_plane_pairs(Neighbours& neighbours, const ParticleRows& rows, const Bo
 }
 
 void list_border_pairs(Neighbours& neighbours, int num_rows, const ThreadPool& pool) {
-  for (std::vector<std::uint32_t>& list : neighbours.border_pairs) list.clear();
+  for (std::vector<ParticlePair>& list : neighbours.border_pairs) list.clear();
   const auto owner = [&](std::uint32_t row) {
     int t = 0;
     while (row >= static_cast<std::uint32_t>(pool.range_begin(num_rows, kRowBlock, t + 1))) ++t;
     return t;
   };
   if (pool.num_threads() == 1) return;
-  for (std::size_t k = 0; k < neighbours.pairs.size(); ++k) {
-    const int of_i = owner(neighbours.pairs[k].i), of_j = owner(neighbours.pairs[k].j);
-    if (of_i != of_j) neighbours.border_pairs[of_j].push_back(static_cast<std::uint32_t>(k));
+  for (const ParticlePair& pair : neighbours.pairs) {
+    const int of_i = owner(pair.i), of_j = owner(pair.j);
+    if (of_i != of_j) neighbours.border_pairs[of_j].push_back(pair);
   }
 }
 
@@ -216,7 +216,7 @@ Neighbours make_neighbours(const Bodies& bodies, const Particles& particles, int
   // Room for a dense packing, so that lists do not grow while bodies fall into a pile.
   neighbours.grid.items.reserve(std::max(num_particles, num_bodies));
   neighbours.grid.levels.reserve(kMaxLevels);
-  for (std::vector<std::uint32_t>& list : neighbours.border_pairs) {
+  for (std::vector<ParticlePair>& list : neighbours.border_pairs) {
     if (num_threads > 1) list.reserve(8 * num_particles);
   }
   neighbours.pairs.reserve(8 * num_particles);

@@ -35,8 +35,9 @@ struct Neighbours {
   std::vector<std::uint32_t> pair_begin;   // [R + 1] pairs of each row i
   std::vector<PlanePair> plane_pairs;      // sorted by (row, plane)
   std::vector<std::uint32_t> plane_begin;  // [R + 1]
-  /// Per thread: pairs whose i lies in an earlier thread's range of rows and j in its own.
-  std::vector<std::vector<std::uint32_t>> border_pairs;
+  /// Per thread: copies of the pairs whose i lies in an earlier thread's range of rows and j in its
+  /// own. Copies, because the earlier thread writes to its pairs meanwhile.
+  std::vector<std::vector<ParticlePair>> border_pairs;
 
   // Where each body was at the last rebuild, and how far its particles may move from there.
   std::vector<Eigen::Vector3d> reference_position;

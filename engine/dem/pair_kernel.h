@@ -23,7 +23,7 @@ struct PairRange {
 
 /// Pairs of an earlier thread's i with j in this range: the same arithmetic as there, but only j's
 /// half is kept. So every particle is written by one thread only.
-void add_border_pairs(const PairRange& range, const std::vector<std::uint32_t>& border);
+void add_border_pairs(const PairRange& range, const std::vector<ParticlePair>& border);
 
 /// All pairs whose i lies in rows [begin, end), a part of the range; each half is kept where its
 /// particle lies in the range. Notes contacts that began or ended.

@@ -23,15 +23,15 @@ void refresh_rows(ParticleRows& rows, const Bodies& bodies, const Particles& par
       const int b = rows.body[row];
       RowMotion& motion = rows.motion[row];
       const double radius = bodies.particle_radius[b];
-      motion.spin = to_lanes(bodies.angular_velocity[b]);
+      motion.spin = Quad(bodies.angular_velocity[b]);
       if (bodies.reach[b] == 0) {  // the one particle at the centre of mass
-        motion.place = to_lanes(bodies.position[b], radius);
-        motion.velocity = to_lanes(bodies.linear_velocity[b]);
+        motion.place = Quad(bodies.position[b], radius);
+        motion.velocity = Quad(bodies.linear_velocity[b]);
         continue;
       }
       const Eigen::Vector3d arm = bodies.orientation[b] * particles.offset_b[rows.particle[row]];
-      motion.place = to_lanes(bodies.position[b] + arm, radius);
-      motion.velocity = to_lanes(bodies.linear_velocity[b] + bodies.angular_velocity[b].cross(arm));
+      motion.place = Quad(bodies.position[b] + arm, radius);
+      motion.velocity = Quad(bodies.linear_velocity[b] + bodies.angular_velocity[b].cross(arm));
     }
   });
 }

@@ -15,20 +15,19 @@ namespace verisim::dem {
 // places: one stretch of memory each instead of ten.
 
 struct RowMotion {
-  Lanes place;     // m, particle centre; fourth lane: radius
-  Lanes velocity;  // m/s, of the particle centre
-  Lanes spin;      // rad/s, of its body
+  Quad place;     // m, particle centre; w: radius
+  Quad velocity;  // m/s, of the particle centre
+  Quad spin;      // rad/s, of its body
 
-  double radius() const { return place[3]; }
-  Eigen::Vector3d position() const { return to_vector(place); }
+  double radius() const { return place.w; }
 };
 
-/// Sums over the contacts of one particle; the fourth lanes mean nothing.
+/// Sums over the contacts of one particle; w means nothing.
 struct RowLoad {
-  Lanes elastic;          // N
-  Lanes damping;          // N
-  Lanes friction;         // N
-  Lanes friction_torque;  // N m, about the particle centre; the others pass through it
+  Quad elastic;          // N
+  Quad damping;          // N
+  Quad friction;         // N
+  Quad friction_torque;  // N m, about the particle centre; the others pass through it
 };
 
 struct ParticleRows {

@@ -19,9 +19,15 @@ Eigen::Quaterniond rotation_of(const Eigen::Vector3d& rotation_vector) {
 
 Eigen::Quaterniond turn_by_euler(const Eigen::Quaterniond& q_wb,
                                  const Eigen::Vector3d& angular_velocity, double dt) {
-  const Eigen::Vector3d v = 0.5 * dt * angular_velocity;
-  const Eigen::Quaterniond change = Eigen::Quaterniond(0, v.x(), v.y(), v.z()) * q_wb;
-  return Eigen::Quaterniond(Eigen::Vector4d(q_wb.coeffs() + change.coeffs())).normalized();
+  // (0, u) (w, v) = (-u . v, w u + u x v), written out: it runs for every body and step.
+  const Eigen::Vector3d u = 0.5 * dt * angular_velocity;
+  const double qw = q_wb.w(), qx = q_wb.x(), qy = q_wb.y(), qz = q_wb.z();
+  const double w = qw - (u.x() * qx + u.y() * qy + u.z() * qz);
+  const double x = qx + (qw * u.x() + u.y() * qz - u.z() * qy);
+  const double y = qy + (qw * u.y() + u.z() * qx - u.x() * qz);
+  const double z = qz + (qw * u.z() + u.x() * qy - u.y() * qx);
+  const double scale = 1 / std::sqrt(w * w + x * x + y * y + z * z);
+  return {scale * w, scale * x, scale * y, scale * z};
 }
 
 Eigen::Quaterniond turn_by_rkmk4(const Eigen::Quaterniond& q_wb,

@@ -19,9 +19,10 @@ namespace {
 const glm::vec3 kSunLight(0.80F, 0.77F, 0.72F);
 const glm::vec3 kSkyLight(0.27F, 0.29F, 0.33F);
 const glm::vec3 kBounceLight(0.15F, 0.14F, 0.13F);
-constexpr Colour kTileLight{0.66F, 0.65F, 0.63F};
-constexpr Colour kTileDark{0.56F, 0.55F, 0.535F};
-constexpr Colour kHorizon{0.74F, 0.76F, 0.78F};
+// Neutral greys: a trace of colour would step between the few levels that 8-bit video has for it.
+constexpr Colour kTileLight{0.65F, 0.65F, 0.65F};
+constexpr Colour kTileDark{0.55F, 0.55F, 0.55F};
+constexpr Colour kHorizon{0.76F, 0.76F, 0.76F};
 constexpr Colour kZenith{0.50F, 0.58F, 0.68F};
 constexpr float kFadeDistance = 5;  // of the distance from the camera to what it looks at
 

@@ -75,7 +75,7 @@ TEST_CASE("sizes_far_apart_are_sorted_into_levels_and_not_tested_all_against_all
   grid.items.push_back({{30, 0, 0.4}, 0.5, 8000, {}});
   sort_into_cells(grid);
   CHECK(grid.levels.size() == 2);
-  CHECK(grid.levels.front().cell_size == doctest::Approx(0.02));
+  CHECK(grid.levels.front().cell_size == doctest::Approx(0.025));
   CHECK(by_grid(grid) == by_all_against_all(grid));
 }
 
