@@ -17,9 +17,6 @@ enum class Motion { kFree, kFixed, kPrescribed };
 /// How time advances. Scene names: "seed", "rkmk4".
 enum class Integrator { kSeed, kRkmk4 };
 
-/// How bodies touch. Scene name: "seed".
-enum class Method { kSeed };
-
 constexpr std::string_view to_string(Integrator integrator) {
   return integrator == Integrator::kSeed ? "seed" : "rkmk4";
 }

@@ -33,6 +33,11 @@ void change_and_book(World& world, const Change& change) {
 
 }  // namespace
 
+World::World() = default;
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
 World make_world(const WorldDefinition& definition) {
   const std::vector<std::string> problems = problems_of(definition);
   if (!problems.empty()) {

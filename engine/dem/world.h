@@ -38,6 +38,12 @@ struct Parameters {
 };
 
 struct World {
+  // In world.cpp: written out at every use they would cost minutes of compilation.
+  World();
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
   std::vector<std::string> names;  // [B]
   std::vector<PlaneDefinition> planes;
   Parameters parameters;

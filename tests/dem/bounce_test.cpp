@@ -47,7 +47,8 @@ double contact_error(Integrator integrator, double ratio, double dt) {
 }  // namespace
 
 TEST_CASE("a_bounce_follows_the_damped_oscillator_and_converges") {
-  // Largest depth 9 mm. The seed step is of first order, leapfrog of second without damping.
+  // Largest depth 9 mm. The seed step is of first order, leapfrog of second without damping:
+  // measured errors at the finer step 5e-7 to 6e-6 m and 2.3e-8 m.
   for (const double ratio : {0.0, 0.1, 0.5}) {
     for (const Integrator integrator : {Integrator::kSeed, Integrator::kRkmk4}) {
       const double coarse = contact_error(integrator, ratio, 4e-5);
@@ -56,7 +57,7 @@ TEST_CASE("a_bounce_follows_the_damped_oscillator_and_converges") {
       MESSAGE(to_string(integrator)
               << " ratio " << ratio << ": error " << fine << " m, order " << order);
       const bool is_second = integrator == Integrator::kRkmk4 && ratio == 0;
-      CHECK(fine < (is_second ? 1e-7 : 6e-5));
+      CHECK(fine < (is_second ? 1e-7 : 2e-5));
       CHECK(order > (is_second ? 1.9 : 0.9));
     }
   }
@@ -73,7 +74,7 @@ TEST_CASE("an_elastic_bounce_conserves_energy") {
     const double energy = world.balance.energy();
     run_steps(world, 50000);  // 0.5 s: down and up again
     CHECK(world.bodies.linear_velocity[0].z() > 0);
-    // Semi-implicit Euler is off by m g v dt / 2 while it moves; measured 2e-5 and 1e-8.
+    // Semi-implicit Euler is off by m g v dt / 2 while it moves; measured 8e-6 and 4e-7.
     const double bound = integrator == Integrator::kSeed ? 1e-4 : 1e-6;
     CHECK(std::abs(world.balance.energy() / energy - 1) < bound);
   }

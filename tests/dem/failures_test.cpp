@@ -12,15 +12,15 @@ using namespace verisim::dem::testing;
 
 namespace {
 
-RunResult run_for(const WorldDefinition& definition, double duration,
-                  std::vector<int> stands = {}) {
+VERISIM_OUT_OF_LINE RunResult run_for(const WorldDefinition& definition, double duration,
+                                      std::vector<int> stands = {}) {
   World world = make_world(definition);
   RunOptions options = for_seconds(duration);
   if (!stands.empty()) options.expect = {{std::move(stands)}};
   return run(world, options);
 }
 
-WorldDefinition with_floor(WorldDefinition definition) {
+VERISIM_OUT_OF_LINE WorldDefinition with_floor(WorldDefinition definition) {
   definition.planes.push_back({});
   return definition;
 }
@@ -50,7 +50,7 @@ TEST_CASE("a_cube_that_drops_on_a_corner_with_default_settings_does_not_fail") {
     const RunResult result = run_for(definition, 1);
     CAPTURE(codes_of(result));
     CHECK_FALSE(result.failed.has_value());
-    CHECK(result.metrics.energy_residual_rel < 5e-3);
+    CHECK(result.metrics.energy_residual_rel < 5e-4);  // measured 1.1e-5 and 2.6e-5
   }
 }
 

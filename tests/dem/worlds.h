@@ -9,10 +9,14 @@
 #include "dem/run.h"
 #include "dem/world.h"
 
+// Inlined everywhere, these make the sanitizer build of a test take minutes.
+#define VERISIM_OUT_OF_LINE [[gnu::noinline]] inline
+
 namespace verisim::dem::testing {
 
 /// Solid ball of one particle.
-inline BodyDefinition ball(double radius, double mass, const Eigen::Vector3d& position) {
+VERISIM_OUT_OF_LINE BodyDefinition ball(double radius, double mass,
+                                        const Eigen::Vector3d& position) {
   BodyDefinition body;
   body.name = "ball";
   body.mass = mass;
@@ -25,8 +29,8 @@ inline BodyDefinition ball(double radius, double mass, const Eigen::Vector3d& po
 }
 
 /// Solid box of edges (m) filled with a lattice of particles of the given diameter.
-inline BodyDefinition box(const Eigen::Vector3d& edges, double diameter, double mass,
-                          const Eigen::Vector3d& position) {
+VERISIM_OUT_OF_LINE BodyDefinition box(const Eigen::Vector3d& edges, double diameter, double mass,
+                                       const Eigen::Vector3d& position) {
   BodyDefinition body;
   body.name = "box";
   body.mass = mass;
@@ -47,8 +51,8 @@ inline BodyDefinition box(const Eigen::Vector3d& edges, double diameter, double 
   return body;
 }
 
-inline BodyDefinition cube(double edge, int particles_per_edge, double mass,
-                           const Eigen::Vector3d& position) {
+VERISIM_OUT_OF_LINE BodyDefinition cube(double edge, int particles_per_edge, double mass,
+                                        const Eigen::Vector3d& position) {
   BodyDefinition body =
       box(Eigen::Vector3d(edge, edge, edge), edge / particles_per_edge, mass, position);
   body.name = "cube";
@@ -56,7 +60,8 @@ inline BodyDefinition cube(double edge, int particles_per_edge, double mass,
 }
 
 /// No particles: only its inertia matters.
-inline BodyDefinition rotor(const Eigen::Matrix3d& inertia_b, const Eigen::Vector3d& spin) {
+VERISIM_OUT_OF_LINE BodyDefinition rotor(const Eigen::Matrix3d& inertia_b,
+                                         const Eigen::Vector3d& spin) {
   BodyDefinition body;
   body.name = "rotor";
   body.mass = 1;
@@ -66,7 +71,8 @@ inline BodyDefinition rotor(const Eigen::Matrix3d& inertia_b, const Eigen::Vecto
   return body;
 }
 
-inline WorldDefinition world_of(std::vector<BodyDefinition> bodies, double stiffness, double dt) {
+VERISIM_OUT_OF_LINE WorldDefinition world_of(std::vector<BodyDefinition> bodies, double stiffness,
+                                             double dt) {
   WorldDefinition definition;
   definition.bodies = std::move(bodies);
   definition.seed.stiffness = stiffness;
@@ -78,21 +84,21 @@ inline void run_steps(World& world, long count) {
   for (long n = 0; n < count; ++n) step(world);
 }
 
-inline RunOptions for_seconds(double duration) {
+VERISIM_OUT_OF_LINE RunOptions for_seconds(double duration) {
   RunOptions options;
   options.duration = duration;
   options.sample_interval = 1.0 / 60;
   return options;
 }
 
-inline bool has_code(const RunResult& result, const std::string& code) {
+VERISIM_OUT_OF_LINE bool has_code(const RunResult& result, const std::string& code) {
   for (const Failure& failure : result.failures) {
     if (failure.code == code) return true;
   }
   return false;
 }
 
-inline std::string codes_of(const RunResult& result) {
+VERISIM_OUT_OF_LINE std::string codes_of(const RunResult& result) {
   std::string codes;
   for (const Failure& failure : result.failures) codes += failure.code + " ";
   return codes;
