@@ -51,7 +51,7 @@ analysis.register(app)
 def main() -> None:
     """Runs the command; a problem the user can mend is one message and exit 1."""
     try:
-        app()
+        app(prog_name="verisim")
     except KeyboardInterrupt:
         sys.exit(130)
     except Exception as error:
