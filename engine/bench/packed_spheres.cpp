@@ -36,7 +36,7 @@ verisim::dem::BodyDefinition sphere(const Eigen::Vector3d& position) {
 /// A loose, disturbed lattice of `count` spheres in a box without lid.
 WorldDefinition bed_of(int count, int num_threads) {
   WorldDefinition definition;
-  definition.seed = {kStiffness, 0.3, 0.3};
+  definition.seed.stiffness = kStiffness;  // critical damping, as in the source
   definition.dt = kDt;
   definition.num_threads = num_threads;
   const double spacing = 2.1 * kRadius;
