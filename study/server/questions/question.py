@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import random
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
@@ -29,7 +30,7 @@ class Answer(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Question:
+class Question(ABC):
     """A question of a study: `key` names it in the data, `prompt` holds its words per language."""
 
     kind: ClassVar[str]
@@ -39,29 +40,29 @@ class Question:
     optional: bool
 
     @classmethod
+    @abstractmethod
     def read(cls, section: Section, languages: Sequence[str]) -> Question:
         """Takes this kind's keys from the study file; problems are noted in the source."""
-        raise NotImplementedError
 
+    @abstractmethod
     def scale(self) -> Scale | None:
         """Returns the range of a numeric answer, None where the answer is text."""
-        raise NotImplementedError
 
+    @abstractmethod
     def find_fault(self, answer: Answer) -> str | None:
         """Returns why this answer cannot be stored, None if it can. Skipped ones never get here."""
-        raise NotImplementedError
 
+    @abstractmethod
     def page_fields(self, language: str) -> dict[str, Any]:
         """Returns what the page needs beyond key, kind, prompt and optional."""
-        raise NotImplementedError
 
+    @abstractmethod
     def meaning(self, language: str) -> str:
         """Returns the codebook's sentence on this question's values."""
-        raise NotImplementedError
 
+    @abstractmethod
     def simulate(self, quality: float, rng: random.Random) -> Answer:
         """Returns a scripted rater's answer; quality: as felt, 0 (plainly wrong) to 1 (right)."""
-        raise NotImplementedError
 
 
 def read_prompt(section: Section, languages: Sequence[str]) -> dict[str, str]:

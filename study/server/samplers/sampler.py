@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
@@ -21,7 +22,7 @@ class PlannedTrial:
 
 
 @dataclass(frozen=True)
-class Sampler:
+class Sampler(ABC):
     """Makes a participant's order; the same seed makes the same order."""
 
     name: ClassVar[str]
@@ -29,13 +30,13 @@ class Sampler:
     seed: int
 
     @classmethod
+    @abstractmethod
     def read(cls, section: Section) -> Sampler:
         """Takes this sampler's keys from the study's `order`."""
-        raise NotImplementedError
 
+    @abstractmethod
     def plan(self, stimuli: Sequence[Stimulus], seed: str) -> list[PlannedTrial]:
         """Returns the participant's trials in order; seed: as stored with the participant."""
-        raise NotImplementedError
 
 
 def participant_seed(study_seed: int, list_no: int) -> str:
