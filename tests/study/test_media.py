@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import hashlib
 import http.client
 from pathlib import Path
@@ -11,6 +10,7 @@ from urllib.parse import urlsplit
 
 import httpx
 import pytest
+from anyio.from_thread import start_blocking_portal
 from fastapi import FastAPI
 from study_tools import Person, Server
 
@@ -118,7 +118,8 @@ def get_page(dist: Path, path: str) -> httpx.Response:
         async with httpx.AsyncClient(transport=transport, base_url="http://study") as client:
             return await client.get(path)
 
-    return asyncio.run(ask())
+    with start_blocking_portal() as portal:  # the browser leaves a loop running
+        return portal.call(ask)
 
 
 def test_the_page_and_its_assets_are_served(tmp_path: Path) -> None:
