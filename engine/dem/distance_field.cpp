@@ -14,22 +14,20 @@ DistanceValue distance_outside_grid(const DistanceField& field, const Eigen::Vec
   // the box one of the three t (1 - t) is 0 and the others are at most 1/4.
   Eigen::Vector3d c;
   for (int axis = 0; axis < 3; ++axis) {
-    const double high = field.origin_b[axis] + field.spacing * (field.counts[axis] - 1);
-    // fmax and fmin drop what is no number; rounding must not leave c outside the grid.
-    const double cells =
-        std::fmin(std::fmax((p_b[axis] - field.origin_b[axis]) / field.spacing, 0.0),
-                  field.counts[axis] - 1.0);
-    c[axis] = std::fmin(field.origin_b[axis] + field.spacing * cells, high);
-    while ((c[axis] - field.origin_b[axis]) * (1 / field.spacing) > field.counts[axis] - 1.0) {
-      c[axis] = std::nextafter(c[axis], field.origin_b[axis]);
-    }
+    const double low = field.origin_b[axis];
+    const int num_cells = field.counts[axis] - 1;
+    // fmax and fmin drop what is no number.
+    c[axis] = std::fmin(std::fmax(p_b[axis], low), low + field.spacing * num_cells);
+    // Rounding must not leave c outside the grid.
+    while ((c[axis] - low) * (1 / field.spacing) > num_cells)
+      c[axis] = std::nextafter(c[axis], low);
   }
   const Eigen::Vector3d beyond = p_b - c;
   const DistanceValue border = distance_at(field, c);
   const double squared =
       beyond.squaredNorm() + border.value * border.value - 0.5 * field.spacing * field.spacing;
-  const double value = std::sqrt(std::fmax(squared, 0.0));
-  if (!(value > 0)) return {value, Eigen::Vector3d::Zero()};
+  if (squared <= 0) return {0, Eigen::Vector3d::Zero()};
+  const double value = std::sqrt(squared);
   // Along an axis on which p lies beyond the box, c stands still; along the others it follows p.
   Eigen::Vector3d gradient;
   for (int axis = 0; axis < 3; ++axis) {
