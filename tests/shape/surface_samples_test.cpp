@@ -284,6 +284,20 @@ TEST_CASE("pits_and_grooves_have_no_edge_or_corner_samples") {
   CHECK(sums.corners == 8);
 }
 
+TEST_CASE("no_sample_mixes_the_two_sides_of_a_ridge") {
+  // Three cells across: the ridge runs along the middle of one, and both sides face upwards.
+  const Mesh roof = roof_mesh();
+  const std::vector<FaceShape> faces = face_shapes(roof);
+  double worst = 0;
+  for (const SurfaceSample& s : sample_surface(roof, 0.7)) {
+    if (!(s.area > 0)) continue;
+    double least = INFINITY;
+    for (const FaceShape& face : faces) least = std::min(least, (face.normal - s.normal).norm());
+    worst = std::max(worst, least);
+  }
+  CHECK(worst < 1e-14);  // measured 2e-16
+}
+
 TEST_CASE("samples_lie_on_the_mesh_and_face_outwards") {
   const Mesh sphere = sphere_mesh(1, 5);
   double worst = 0, least_outward = 1;
