@@ -8,7 +8,16 @@ from dataclasses import dataclass, field
 LIVE_SOURCES = ("lab", "link", "prolific", "mturk", "pilot")
 SIMULATED = "simulated"
 SOURCES = (*LIVE_SOURCES, SIMULATED)
-STATES = ("enrolled", "consented", "active", "completed", "declined", "withdrawn")
+STATES = (
+    "enrolled",
+    "consented",
+    "active",
+    "completed",
+    "declined",
+    "withdrawn",
+    "screened_out",
+    "stopped",
+)
 TRIAL_KINDS = ("practice", "test", "catch", "repeat")
 ROLES = ("test", "practice", "catch")
 RT_ORIGINS = ("video_end", "video_onset", "form_shown")
@@ -77,7 +86,7 @@ TABLES: dict[str, Table] = {
             "consent_sha256": SHA,
             **_same(UTC, "enrolled_utc consented_utc completed_utc"),
             **_same(COUNT, "num_trials_planned num_trials_answered"),
-            "order_seed": TEXT,
+            **_same(TEXT, "order_seed order_algorithm list_no cell buttons"),
             "order_sha256": SHA,
         },
         key=("participant_id",),
@@ -91,6 +100,8 @@ TABLES: dict[str, Table] = {
             **_same(POSITIVE, "screen_w_px screen_h_px viewport_w_px viewport_h_px"),
             **_same(POSITIVE, "device_pixel_ratio refresh_hz"),
             "tz_offset_min": NUMBER,
+            **_same(POSITIVE, "css_px_per_mm viewing_distance_mm px_per_degree"),
+            **_same(TEXT, "screen_verdict screen_problems"),
         },
         key=("session_id",),
         refers=PERSON_REFERS,
@@ -108,10 +119,48 @@ TABLES: dict[str, Table] = {
             **_same(COUNT, "num_plays frames_total frames_dropped stall_count"),
             **_same(POSITIVE, "onset_ms first_frame_ms ended_ms stall_ms hidden_ms"),
             "fullscreen": FLAG,
-            **_same(POSITIVE, "displayed_w_px displayed_h_px"),
+            **_same(POSITIVE, "displayed_w_px displayed_h_px device_pixel_ratio"),
+            **_same(COUNT, "scale num_mark_plays blur_count fullscreen_exits"),
+            "start_skew_ms": NUMBER,
+            "track": TEXT,
         },
         key=("presentation_id",),
         refers={**SESSION_REFERS, "stimulus": ("stimuli", "stimulus")},
+    ),
+    "showings": Table(
+        {
+            **PERSON,
+            **_same(ID, "session_id presentation_id stimulus"),
+            "stimulus_sha256": SHA,
+            **_same(COUNT, "position planned_position num_plays frames_total frames_dropped"),
+            **_same(POSITIVE, "onset_ms first_frame_ms ended_ms stall_count stall_ms"),
+        },
+        key=("presentation_id", "position"),
+        refers=ANSWER_REFERS,
+    ),
+    "closing": Table(
+        {
+            **PERSON,
+            **_same(ID, "session_id question question_kind"),
+            **_same(TEXT, "item value_text"),
+            "value": NUMBER,
+            "rt_ms": POSITIVE,
+            "num_changes": COUNT,
+            "reversed": FLAG,
+            "answered_utc": UTC,
+        },
+        key=("participant_id", "question", "item"),
+        refers=SESSION_REFERS,
+    ),
+    "remarks": Table(
+        {
+            **PERSON,
+            **_same(ID, "session_id question"),
+            "comment": TEXT,
+            "answered_utc": UTC,
+        },
+        key=("participant_id", "question"),
+        refers=SESSION_REFERS,
     ),
     "ratings": Table(
         {
@@ -121,15 +170,16 @@ TABLES: dict[str, Table] = {
             "trial_index": INDEX,
             "trial_kind": TRIAL_KIND,
             **CLIPS,
-            **_same(TEXT, "scene method value_text"),
+            **_same(TEXT, "scene method value_text item track"),
+            **_same(FLAG, "correct reversed"),
             "value": NUMBER,
             "rt_ms": POSITIVE,
             "rt_origin": Column(allowed=RT_ORIGINS),
             **_same(COUNT, "num_plays frames_dropped"),
-            **_same(POSITIVE, "stall_ms hidden_ms"),
+            **_same(POSITIVE, "stall_ms hidden_ms rt_onset_ms num_changes"),
             "answered_utc": UTC,
         },
-        key=("presentation_id", "question"),
+        key=("presentation_id", "question", "item"),
         refers=ANSWER_REFERS,
     ),
     "comments": Table(

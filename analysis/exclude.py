@@ -53,10 +53,14 @@ def participant_flow(export: Export, cohort: Cohort) -> list[Step]:
     """Enrolled → consented → completed → analysed → analysed without flagged."""
     people = export.tables["participants"]
     state = people["state"]
-    consented = people["consented_utc"].ne("") | state.isin(["consented", "active", "completed"])
+    consented = people["consented_utc"].ne("") | state.isin(
+        ["consented", "active", "completed", "stopped", "screened_out"]
+    )
     completed = int((state == "completed").sum())
     declined = int((state == "declined").sum())
     unfinished = int((consented & state.isin(["consented", "active"])).sum())
+    stopped = int((consented & (state == "stopped")).sum())
+    screened_out = int((consented & (state == "screened_out")).sum())
     withdrawn = int((consented & (state == "withdrawn")).sum())
     waiting = len(people) - int(consented.sum()) - declined
     return [
@@ -66,7 +70,18 @@ def participant_flow(export: Export, cohort: Cohort) -> list[Step]:
             int(consented.sum()),
             _parts([(declined, "declined"), (waiting, "left before answering")]),
         ),
-        Step("completed", completed, _parts([(unfinished, "unfinished"), (withdrawn, "withdrew")])),
+        Step(
+            "completed",
+            completed,
+            _parts(
+                [
+                    (unfinished, "unfinished"),
+                    (stopped, "stopped early"),
+                    (screened_out, "screen did not fit"),
+                    (withdrawn, "withdrew"),
+                ]
+            ),
+        ),
         Step(
             "analysed",
             len(cohort.analysed),

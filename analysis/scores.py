@@ -22,7 +22,8 @@ SCORE_COLUMNS = ("participants", "question", "stimulus", "n", "mean", "sd", "ci_
 def rated_cells(export: Export, participants: frozenset[str]) -> pd.DataFrame:
     """One row per participant × clip × question: the mean of that person's answers to it.
 
-    Only single-clip test trials count; practice, catch and repeated trials do not.
+    Only single-clip test trials count; practice, catch and repeated trials do not. Questions with
+    several items have no single value.
     """
     rows = export.tables["ratings"]
     rows = rows[
@@ -30,6 +31,7 @@ def rated_cells(export: Export, participants: frozenset[str]) -> pd.DataFrame:
         & rows["participant_id"].isin(participants)
         & rows["value"].notna()
         & (rows["stimulus_b"] == "")
+        & (rows["item"] == "")
     ]
     cells = rows.groupby(["question", "stimulus", "participant_id"], sort=True)["value"]
     return cells.mean().reset_index()

@@ -13,7 +13,7 @@ Row = dict[str, Any]
 
 # Besides names, hashes and levels, these give a clip away; a blind export leaves them empty.
 KEPT_OF_ENGINE = ("study", "source", "stimulus", "method", "engine_version")
-GIVEAWAYS = ("num_bytes", "seed", "order_seed", "order_sha256")
+GIVEAWAYS = ("num_bytes", "seed", "order_seed", "order_sha256", "track", "correct")
 
 
 class Blinding:

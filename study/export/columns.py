@@ -27,6 +27,11 @@ RTS = {
     "video_onset": "first frame of the first play",
     "form_shown": "the moment the question appeared",
 }
+LAYOUTS = {
+    "single": "one clip",
+    "sequential": "two clips, one after the other",
+    "side_by_side": "two clips beside each other, started together",
+}
 PROCESS_CPU = "CPU seconds of physics per simulated second, measured serially: "
 
 COLUMNS: dict[str, Column] = {
@@ -46,6 +51,8 @@ COLUMNS: dict[str, Column] = {
             "completed": "answered every trial",
             "declined": "did not agree",
             "withdrawn": "took the agreement back",
+            "screened_out": "the screen did not fit",
+            "stopped": "ended early; the answers are kept",
         },
     ),
     "consent_version": Column("Version of the consent form that was answered"),
@@ -56,6 +63,13 @@ COLUMNS: dict[str, Column] = {
     "completed_utc": Column("When the last answer was stored", "ISO 8601, UTC"),
     "num_trials_planned": Column("Trials in the participant's order, practice included", "count"),
     "num_trials_answered": Column("Trials that were answered, practice included", "count"),
+    "cell": Column("Level of the factor that varies between participants; empty: none does"),
+    "buttons": Column(
+        "Order of the options of yes/no and category questions",
+        levels={"normal": "as the study file lists them", "reversed": "the other way round"},
+    ),
+    "list_no": Column("Number of the order within the cell, from 0", "index"),
+    "order_algorithm": Column("Sampler that made the order"),
     "order_seed": Column("Seed of the participant's order, which it reproduces"),
     "order_sha256": Column("SHA-256 of the order, one line `kind TAB stimulus` per trial"),
     "started_utc": Column("When the visit began", "ISO 8601, UTC"),
@@ -74,6 +88,18 @@ COLUMNS: dict[str, Column] = {
     "refresh_hz": Column("Refresh rate of the screen, estimated by the page", "Hz"),
     "language": Column("Language the browser asks for"),
     "tz_offset_min": Column("Minutes to add to local time to get UTC", "min"),
+    "css_px_per_mm": Column("CSS pixels per millimetre, measured with a card", "px/mm"),
+    "viewing_distance_mm": Column("Distance from the screen, as stated", "mm"),
+    "px_per_degree": Column("Device pixels per degree of visual angle", "px/degree"),
+    "screen_verdict": Column(
+        "Outcome of the last check of the screen; empty: none was asked for",
+        levels={
+            "passed": "fits",
+            "flagged": "shown all the same; see screen_problems",
+            "refused": "does not fit",
+        },
+    ),
+    "screen_problems": Column("What did not fit, codes separated by spaces"),
     # showings
     "presentation_id": Column(
         "Random name of one showing of a trial's clip; of an event: empty where the "
@@ -90,7 +116,7 @@ COLUMNS: dict[str, Column] = {
             "repeat": "a test clip shown again",
         },
     ),
-    "layout": Column("How clips are laid out", levels={"single": "one clip at a time"}),
+    "layout": Column("How clips are laid out", levels=LAYOUTS),
     "completed": Column("Whether the clip was played to its end", levels=YES_NO),
     "num_plays": Column("How often the clip was started in this showing", "count"),
     "onset_ms": Column("First frame of the first play, on the page's clock", "ms"),
@@ -104,7 +130,20 @@ COLUMNS: dict[str, Column] = {
     "fullscreen": Column("Whether the page filled the screen", levels=YES_NO),
     "displayed_w_px": Column("Width of the clip on the screen", "device px"),
     "displayed_h_px": Column("Height of the clip on the screen", "device px"),
+    "scale": Column("Device pixels per pixel of the clip, along one side", "1"),
+    "num_mark_plays": Column("Plays for marking where it looked wrong", "count"),
+    "blur_count": Column("How often the window lost the focus", "count"),
+    "fullscreen_exits": Column("How often the full screen was left", "count"),
+    "start_skew_ms": Column("Second clip's first frame less the first one's, side by side", "ms"),
+    "track": Column("Adaptive track that chose the clip; empty: none"),
+    "position": Column("Place of the clip as shown: 0 first or left, 1 second or right", "index"),
+    "planned_position": Column("Place of the clip as planned", "index"),
     # answers
+    "item": Column("Part of a question that has several; empty: the question has one"),
+    "correct": Column("Whether the answer is the expected one; empty: none is", levels=YES_NO),
+    "rt_onset_ms": Column("Time from the first frame to the answer", "ms"),
+    "num_changes": Column("How often the answer was changed before it was sent", "count"),
+    "reversed": Column("Whether the options stood in reverse order", levels=YES_NO),
     "question": Column("Key of the question"),
     "question_kind": Column("Kind of the question"),
     "value": Column("The answer as a number; its meaning depends on the question"),
@@ -169,8 +208,12 @@ COLUMNS: dict[str, Column] = {
     "rule": Column(
         "Exclusion rule, fixed in the study file before it opened",
         levels={
-            "missed_catch": "catch clips whose primary answer was not below the scale's middle; "
-            "flagged when value >= limit",
+            "missed_catch": "catch trials that were answered wrongly (a rating: not below the "
+            "middle of its scale); flagged when value >= limit",
+            "equal_answers_run": "longest run of one answer to the primary question; flagged when "
+            "value >= limit",
+            "frames_dropped_share": "share of frames never shown; flagged when value > limit",
+            "hidden_ms": "time out of sight while clips played; flagged when value > limit",
             "median_rt_below_ms": "median response time of test trials; flagged when value < limit",
         },
     ),
@@ -179,7 +222,7 @@ COLUMNS: dict[str, Column] = {
 }
 
 # Cells of these columns are the same text for everybody with the same clip, so blinding hides them.
-BLINDED_NAMES = ("stimulus", "stimulus_b", "reference", "method")
+BLINDED_NAMES = ("stimulus", "stimulus_b", "reference", "method", "cell")
 BLINDED_HASHES = ("stimulus_sha256", "stimulus_b_sha256", "sha256", "content_key", "state_hash")
 
 

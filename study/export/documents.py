@@ -21,7 +21,8 @@ def dataset_description(
     for table in TABLES:
         for name in column_names(table, snapshot.factor_names):
             tables_of.setdefault(name, []).append(table)
-    asked = {question["key"]: question for question in snapshot.config["questions"]}
+    config = snapshot.config
+    asked = {q["key"]: q for q in [*config["questions"], *config.get("end_questions", [])]}
     described = [describe_question(row, asked[row["key"]]) for row in questions]
     variables = [describe_variable(name, where, described) for name, where in tables_of.items()]
     document = {
@@ -37,6 +38,7 @@ def dataset_description(
             "schema": 1,
             "blind": blind,
             "num_participants": counts,
+            "mode": snapshot.study["mode"],
             "set": snapshot.study["set_name"],
             "set_sha256": snapshot.study["set_sha256"],
             "config_sha256": snapshot.study["config_sha256"],
@@ -60,6 +62,7 @@ def describe_question(row: Row, asked: dict[str, Any]) -> dict[str, Any]:
     return {
         **asked,
         "meaning": json.loads(row["meaning_json"]),
+        "place": row["place"],
         "min": row["scale_min"],
         "max": row["scale_max"],
         "step": row["scale_step"],
@@ -84,7 +87,9 @@ def describe_variable(
     if name in ("value", "comment"):
         numeric = name == "value"
         entry["meaning"] = {
-            q["key"]: first_of(q["meaning"]) for q in questions if (q["min"] is not None) == numeric
+            q["key"]: first_of(q["meaning"])
+            for q in questions
+            if (q["kind"] != "comment") == numeric
         }
     if levels:
         entry["levels"] = levels

@@ -9,25 +9,37 @@ TABLES: dict[str, str] = {
     "ratings": (
         "study participant_id source session_id presentation_id block trial_index trial_kind layout"
         " stimulus stimulus_sha256 stimulus_b stimulus_b_sha256 scene method factor_*"
-        " question question_kind value value_text rt_ms rt_origin num_plays frames_dropped"
-        " stall_ms hidden_ms answered_utc"
+        " question question_kind item value value_text correct rt_ms rt_origin rt_onset_ms"
+        " num_changes reversed track num_plays frames_dropped stall_ms hidden_ms answered_utc"
     ),
     "participants": (
         "study participant_id source state consent_version consent_sha256 consent_language"
         " enrolled_utc consented_utc completed_utc num_trials_planned num_trials_answered"
-        " order_seed order_sha256"
+        " cell buttons list_no order_algorithm order_seed order_sha256"
     ),
     "sessions": (
         "study participant_id source session_id started_utc last_seen_utc ended_utc app_version"
         " browser browser_version os is_mobile screen_w_px screen_h_px viewport_w_px viewport_h_px"
-        " device_pixel_ratio refresh_hz language tz_offset_min"
+        " device_pixel_ratio refresh_hz language tz_offset_min css_px_per_mm viewing_distance_mm"
+        " px_per_degree screen_verdict screen_problems"
     ),
     "presentations": (
         "study participant_id source session_id presentation_id trial_index trial_kind block layout"
         " stimulus stimulus_sha256 stimulus_b stimulus_b_sha256 completed num_plays onset_ms"
         " first_frame_ms ended_ms frames_total frames_dropped stall_count stall_ms hidden_ms"
-        " fullscreen displayed_w_px displayed_h_px"
+        " fullscreen displayed_w_px displayed_h_px device_pixel_ratio scale num_mark_plays"
+        " blur_count fullscreen_exits start_skew_ms track"
     ),
+    "showings": (
+        "study participant_id source session_id presentation_id position planned_position"
+        " stimulus stimulus_sha256 num_plays onset_ms first_frame_ms ended_ms frames_total"
+        " frames_dropped stall_count stall_ms"
+    ),
+    "closing": (
+        "study participant_id source session_id question question_kind item value value_text"
+        " rt_ms num_changes reversed answered_utc"
+    ),
+    "remarks": "study participant_id source session_id question comment answered_utc",
     "stimuli": (
         "study source stimulus role scene method seed reference factor_* sha256 num_bytes width_px"
         " height_px frame_rate_hz num_frames duration_s content_key"

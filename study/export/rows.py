@@ -10,6 +10,7 @@ from typing import Any
 from sqlalchemy import Connection, func, select
 
 from verisim.study.server import tables as t
+from verisim.study.server.expected import is_as_expected, read_expected
 
 Row = dict[str, Any]
 Clip = tuple[Row, Row]  # stimulus row, factor columns
@@ -93,6 +94,8 @@ def participants(snapshot: Snapshot) -> list[Row]:
             t.consent.c.language.label("consent_language"),
             t.consent.c.agreed,
             t.consent.c.answered_utc.label("consented_utc"),
+            t.assignment.c.list_no,
+            t.assignment.c.algorithm.label("order_algorithm"),
             t.assignment.c.seed.label("order_seed"),
             t.assignment.c.order_sha256,
             trials.c.num_trials_planned,
@@ -116,7 +119,15 @@ def sessions(snapshot: Snapshot) -> list[Row]:
         .join_from(t.session, t.participant)
         .order_by(t.session.c.started_utc, t.session.c.session_id)
     )
-    return fetch(snapshot, query)
+    rows = fetch(snapshot, query)
+    checks = select(t.screen_check).order_by(t.screen_check.c.check_id)
+    last = {row.session_id: row for row in snapshot.connection.execute(checks)}
+    for row in rows:
+        check = last.get(row["session_id"])
+        row["screen_verdict"] = check.verdict if check else None
+        problems = json.loads(check.problems_json) if check else []
+        row["screen_problems"] = " ".join(problem["code"] for problem in problems) or None
+    return rows
 
 
 def shown_trials() -> Any:
@@ -132,6 +143,8 @@ def shown_trials() -> Any:
             t.trial.c.layout,
             t.trial.c.stimulus_a,
             t.trial.c.stimulus_b,
+            t.trial.c.track,
+            t.trial.c.expected_json,
         )
         .join_from(t.presentation, t.trial, t.presentation.c.trial_id == t.trial.c.trial_id)
         .join(t.session, t.session.c.session_id == t.presentation.c.session_id)
@@ -164,13 +177,71 @@ def ratings(snapshot: Snapshot) -> list[Row]:
             t.question.c.kind.label("question_kind"),
             t.response.c.value,
             t.response.c.value_text,
+            t.response.c.item,
             t.response.c.rt_ms,
             t.response.c.rt_origin,
+            t.response.c.rt_onset_ms,
+            t.response.c.num_changes,
+            t.response.c.reversed,
             t.response.c.answered_utc,
         )
     )
-    rows = fetch(snapshot, in_order(query).order_by(t.response.c.question_id))
-    return [{**row, **clip_columns(snapshot, row)} for row in rows]
+    rows = fetch(snapshot, in_order(query).order_by(t.response.c.question_id, t.response.c.item))
+    return [{**row, **clip_columns(snapshot, row), "correct": correct(row)} for row in rows]
+
+
+def correct(row: Row) -> int | None:
+    """1 where the answer is the expected one, 0 where not, None where none is expected."""
+    expected = read_expected(row["expected_json"])
+    if expected is None or expected["question"] != row["question"]:
+        return None
+    return int(is_as_expected(expected, row["value"]))
+
+
+def shown_clips(snapshot: Snapshot) -> list[Row]:
+    query = (
+        select(
+            t.presentation_clip,
+            t.session.c.participant_id,
+            t.session.c.session_id,
+            t.participant.c.source,
+            t.trial.c.stimulus_a,
+        )
+        .join_from(t.presentation_clip, t.presentation)
+        .join(t.trial, t.trial.c.trial_id == t.presentation.c.trial_id)
+        .join(t.session, t.session.c.session_id == t.presentation.c.session_id)
+        .join(t.participant, t.participant.c.participant_id == t.session.c.participant_id)
+    )
+    rows = fetch(snapshot, in_order(query).order_by(t.presentation_clip.c.position))
+    for row in rows:
+        clip = snapshot.by_id[row["stimulus_id"]]
+        row["stimulus"], row["stimulus_sha256"] = clip["name"], clip["sha256"]
+        row["planned_position"] = int(row["stimulus_id"] != row["stimulus_a"])
+    return rows
+
+
+def end_answers(snapshot: Snapshot) -> tuple[list[Row], list[Row]]:
+    """Returns the answers to the questions at the end: those with a scale or options, and texts."""
+    query = (
+        select(
+            t.session_answer,
+            t.question.c.key.label("question"),
+            t.question.c.kind.label("question_kind"),
+            t.session_answer.c.value_text.label("comment"),
+            t.participant.c.source,
+        )
+        .join_from(t.session_answer, t.question)
+        .join(t.participant, t.participant.c.participant_id == t.session_answer.c.participant_id)
+        .order_by(
+            t.participant.c.enrolled_utc,
+            t.participant.c.participant_id,
+            t.session_answer.c.question_id,
+            t.session_answer.c.item,
+        )
+    )
+    rows = fetch(snapshot, query)
+    texts = [row for row in rows if row["question_kind"] == "comment"]
+    return [row for row in rows if row["question_kind"] != "comment"], texts
 
 
 def comments(snapshot: Snapshot) -> list[Row]:

@@ -95,15 +95,20 @@ def render(connection: Connection, db: Path, blind: bool) -> tuple[dict[str, str
 
 def read_tables(snapshot: rows.Snapshot) -> Tables:
     people, ratings = rows.participants(snapshot), rows.ratings(snapshot)
+    shown = rows.presentations(snapshot)
+    end_answers, end_comments = rows.end_answers(snapshot)
     tables: Tables = {
         "ratings": ratings,
         "participants": people,
         "sessions": rows.sessions(snapshot),
-        "presentations": rows.presentations(snapshot),
+        "presentations": shown,
+        "showings": rows.shown_clips(snapshot),
+        "closing": end_answers,
+        "remarks": end_comments,
         "stimuli": rows.stimuli(snapshot),
         "engine": engine(snapshot),
         "events": rows.events(snapshot),
-        "exclusions": exclusions(snapshot, people, ratings),
+        "exclusions": exclusions(snapshot, people, ratings, shown),
         "comments": rows.comments(snapshot),
     }
     assert tables.keys() == TABLES.keys()

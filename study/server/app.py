@@ -4,22 +4,23 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.responses import JSONResponse
 from sqlalchemy import Connection, Engine
-from sqlalchemy.dialects.sqlite import insert as insert_or
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp
 
-from verisim.study.server import answers, bodies, tables
+from verisim.study.server import answers, bodies, steps, tables
 from verisim.study.server.api_error import ApiError
-from verisim.study.server.database import utc_now
+from verisim.study.server.database import checkpoint, insert_for, utc_now
+from verisim.study.server.describe_study import describe_study
 from verisim.study.server.enrolment import choose_source, enrol, hash_token
 from verisim.study.server.guard import Guard
 from verisim.study.server.open_study import OpenStudy
@@ -27,22 +28,22 @@ from verisim.study.server.pages import add_pages
 from verisim.study.server.position import next_step
 from verisim.study.server.reply import Reply
 from verisim.study.server.submissions import Caller, Post, find_caller
+from verisim.study.server.withdrawal import withdraw, withdraw_by_link
 from verisim.study.server.writer import Work, Writer
 
 READY_S = 2.0
 MAX_TOKEN_CHARS = 100
-SIMULATED_NOTICE = (
-    "This server is run for scripted raters. Answers that carry its key are marked as simulated."
-)
-
 # What the writer does with a participant's body: (connection, study, caller, post, body) → reply.
 Store = Callable[[Connection, OpenStudy, Caller, Post, Any], Reply]
 POSTS: dict[str, tuple[type[bodies.Body], Store]] = {
-    "consent": (bodies.ConsentBody, answers.store_consent),
-    "instructions": (bodies.InstructionsBody, answers.store_instructions),
+    "consent": (bodies.ConsentBody, steps.store_consent),
+    "screen": (bodies.ScreenBody, steps.store_screen),
+    "instructions": (bodies.InstructionsBody, steps.store_instructions),
     "trials": (bodies.TrialBody, answers.store_trial),
     "presentations": (bodies.PresentationBody, answers.store_presentation),
     "events": (bodies.EventsBody, answers.store_events),
+    "end_questions": (bodies.EndBody, steps.store_end),
+    "stop": (bodies.StopBody, steps.store_stop),
 }
 
 
@@ -53,8 +54,11 @@ class Serving:
     opened: OpenStudy
     writer: Writer
     reader: Engine
+    db: Path
     source_default: str
     simulate_key: str | None
+    mode: str = "open"  # open | pilot | live
+    kiosk: bool = False
 
 
 def create_app(serving: Serving) -> ASGIApp:
@@ -105,8 +109,10 @@ def add_health(app: FastAPI, serving: Serving) -> None:
     async def readyz() -> dict[str, str]:
         def beat(connection: Connection) -> None:
             row = {"heartbeat_id": 1, "at_utc": utc_now()}
-            upsert = insert_or(tables.heartbeat).values(row)
-            connection.execute(upsert.on_conflict_do_update(set_=row))
+            upsert = insert_for(connection, tables.heartbeat).values(row)
+            connection.execute(
+                upsert.on_conflict_do_update(index_elements=["heartbeat_id"], set_=row)
+            )
 
         try:
             await asyncio.wait_for(committed(serving.writer, beat), READY_S)
@@ -118,7 +124,15 @@ def add_health(app: FastAPI, serving: Serving) -> None:
 def add_api(app: FastAPI, serving: Serving) -> None:
     @app.get("/api/study")
     def study(lang: str = "") -> dict[str, Any]:
-        return describe_study(serving, lang)
+        with serving.reader.begin() as connection:
+            return describe_study(
+                connection,
+                serving.opened,
+                lang,
+                mode=serving.mode,
+                kiosk=serving.kiosk,
+                is_simulating=serving.simulate_key is not None,
+            )
 
     @app.get("/api/next")
     def step(request: Request) -> dict[str, Any]:
@@ -129,9 +143,26 @@ def add_api(app: FastAPI, serving: Serving) -> None:
     @app.post("/api/sessions")
     async def sessions(request: Request) -> JSONResponse:
         body = bodies.parse_body(bodies.SessionBody, await request.body())
-        source = choose_source(body, serving.source_default, serving.simulate_key)
+        source = choose_source(body, serving.source_default, serving.simulate_key, serving.mode)
         work = partial(enrol, opened=serving.opened, body=body, source=source)
         return respond(await committed(serving.writer, work))
+
+    @app.post("/api/withdraw")
+    async def withdraw_by_token(request: Request) -> JSONResponse:
+        token = read_token(request)
+        bodies.parse_body(bodies.WithdrawBody, await request.body())
+        return await erased(lambda connection: withdraw(connection, find_caller(connection, token)))
+
+    @app.post("/api/withdraw_by_link")
+    async def withdraw_by_secret(request: Request) -> JSONResponse:
+        body = bodies.parse_body(bodies.WithdrawByLinkBody, await request.body())
+        return await erased(lambda connection: withdraw_by_link(connection, body.withdrawal))
+
+    async def erased(work: Work) -> JSONResponse:
+        reply = await committed(serving.writer, work)
+        # What was deleted would otherwise stay readable in the write-ahead log.
+        await asyncio.to_thread(checkpoint, serving.db)
+        return respond(reply)
 
     def add_post(kind: str, model: type[bodies.Body], store: Store) -> None:
         @app.post(f"/api/{kind}", name=kind)
@@ -166,43 +197,3 @@ def read_token(request: Request) -> str:
     if scheme.lower() != "bearer" or not token or len(token) > MAX_TOKEN_CHARS:
         raise ApiError(401, "no_token", "no token was sent", "open a session: POST /api/sessions")
     return hash_token(token)
-
-
-def describe_study(serving: Serving, wanted: str) -> dict[str, Any]:
-    """Returns the answer of GET /api/study in the wanted language, else in the study's first."""
-    study = serving.opened.study
-    language = wanted if wanted in study.languages else study.languages[0]
-    consent = study.consent[language]
-    roles: Mapping[str, int] = {
-        role: sum(s.role == role for s in serving.opened.stimulus_set.stimuli)
-        for role in ("practice", "test", "catch")
-    }
-    return {
-        "name": study.name,
-        "title": study.title,
-        "languages": study.languages,
-        "language": language,
-        "consent": {"version": consent.version, "sha256": consent.sha256, "html": consent.html},
-        "instructions_html": study.instructions[language].html,
-        "thanks_html": study.thanks[language].html,
-        "trial": {
-            "layout": study.trial.layout,
-            "lock": study.trial.lock,
-            "replays": study.trial.replays,
-            "fixation_ms": study.trial.fixation_ms,
-            "rest_every": study.trial.rest_every,
-        },
-        "num_trials": roles["test"] + roles["catch"],
-        "num_practice": roles["practice"],
-        "simulated_notice": SIMULATED_NOTICE if serving.simulate_key is not None else None,
-        "questions": [
-            {
-                "key": question.key,
-                "kind": question.kind,
-                "prompt": question.prompt[language],
-                "optional": question.optional,
-                **question.page_fields(language),
-            }
-            for question in study.questions
-        ],
-    }

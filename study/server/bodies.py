@@ -66,10 +66,21 @@ class Environment(Part):
     app_version: Label
 
 
+class External(Part):
+    """Who somebody is on a recruiting platform."""
+
+    platform: Literal["prolific", "mturk", "other"]
+    participant: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.@-]{1,100}$")]
+    study: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.@-]{0,100}$")] | None
+    session: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.@-]{0,100}$")] | None
+
+
 class SessionBody(Body):
     source: Literal["link", "lab", "pilot", "simulated"] | None = None
     simulate_key: Annotated[str, Field(max_length=200)] | None = None
     environment: Environment
+    link: Annotated[str, Field(max_length=200), AfterValidator(refuse_control)] | None = None
+    external: External | None = None
 
 
 class ConsentBody(Body):
@@ -81,6 +92,31 @@ class ConsentBody(Body):
 
 class InstructionsBody(Body):
     pass
+
+
+class ScreenBody(Body):
+    environment: Environment
+    codec_plays: bool | None
+    fullscreen: bool
+    refresh_hz: Annotated[float, Field(gt=0, le=2000)] | None
+    css_px_per_mm: Annotated[float, Field(ge=0.5, le=50)] | None
+    viewing_distance_mm: Annotated[float, Field(ge=100, le=5000)] | None
+    calibration_skipped: bool = False
+
+
+class ShownClip(Part):
+    """One clip of a showing."""
+
+    position: Literal[0, 1]
+    sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+    num_plays: Annotated[int, Field(ge=0, le=1000)]
+    onset_ms: Ms | None
+    first_frame_ms: Ms | None
+    ended_ms: Ms | None
+    frames_total: Count | None
+    frames_dropped: Count | None
+    stall_count: Count
+    stall_ms: Ms
 
 
 class Presentation(Part):
@@ -98,6 +134,13 @@ class Presentation(Part):
     displayed_w: Length
     displayed_h: Length
     completed: bool
+    device_pixel_ratio: Annotated[float, Field(gt=0, le=100)] | None = None
+    scale: Annotated[int, Field(ge=0, le=100)] | None = None
+    num_mark_plays: Annotated[int, Field(ge=0, le=1000)] = 0
+    blur_count: Count = 0
+    fullscreen_exits: Count = 0
+    start_skew_ms: Annotated[float, Field(ge=-MAX_MS, le=MAX_MS)] | None = None
+    clips: Annotated[list[ShownClip], Field(max_length=2)] = []
 
 
 class Response(Part):
@@ -108,6 +151,9 @@ class Response(Part):
     rt_origin: Literal["video_onset", "video_end", "form_shown"]
     first_touch_ms: Ms | None
     num_changes: Count
+    item: Annotated[str, Field(pattern=r"^([A-Za-z][A-Za-z0-9_]{0,39})?$")] = ""
+    rt_onset_ms: Ms | None = None
+    reversed: bool = False
 
 
 class TrialBody(Body):
@@ -119,6 +165,22 @@ class TrialBody(Body):
 class PresentationBody(Body):
     trial_id: Annotated[int, Field(ge=1, le=MAX_INTEGER)]
     presentation: Presentation
+
+
+class EndBody(Body):
+    responses: Annotated[list[Response], Field(max_length=200)]
+
+
+class StopBody(Body):
+    pass
+
+
+class WithdrawBody(Body):
+    confirm: Literal[True]
+
+
+class WithdrawByLinkBody(Body):
+    withdrawal: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]{20,200}$")]
 
 
 class Event(Part):

@@ -15,7 +15,9 @@ from alembic import command
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, Engine, NullPool, QueuePool, create_engine, event
+from sqlalchemy import Connection, Engine, NullPool, QueuePool, Table, create_engine, event
+from sqlalchemy.dialects.postgresql import insert as pg_insert
+from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 
 from verisim.study.problems import refuse
 
@@ -70,7 +72,7 @@ class DatabaseLock:
         self.release()
 
 
-def writing_engine(db: Path) -> Engine:
+def writing_engine(db: Path, *, foreign_keys: bool = True) -> Engine:
     """Returns the engine of the one writer: durable commits, transactions begun as writes."""
     engine = create_engine(
         "sqlite://",
@@ -84,7 +86,7 @@ def writing_engine(db: Path) -> Engine:
         connection.isolation_level = None
         journal = connection.execute("PRAGMA journal_mode=WAL").fetchone()[0]
         connection.execute("PRAGMA synchronous=FULL")
-        connection.execute("PRAGMA foreign_keys=ON")
+        connection.execute(f"PRAGMA foreign_keys={'ON' if foreign_keys else 'OFF'}")
         connection.execute("PRAGMA secure_delete=ON")
         connection.execute(f"PRAGMA busy_timeout={BUSY_TIMEOUT_MS}")
         level = connection.execute("PRAGMA synchronous").fetchone()[0]
@@ -131,7 +133,9 @@ def prepare_database(db: Path) -> None:
     """Creates the file if it is missing and brings its tables to the newest form."""
     check_is_ours(db, may_be_missing=True)
     db.parent.mkdir(parents=True, exist_ok=True)
-    engine = writing_engine(db)
+    # A migration may write a table anew; with references checked, dropping the old one would erase
+    # what refers to it.
+    engine = writing_engine(db, foreign_keys=False)
     try:
         with engine.begin() as connection:
             refuse_newer(connection, db)
@@ -139,6 +143,8 @@ def prepare_database(db: Path) -> None:
             config.set_main_option("script_location", str(MIGRATIONS))
             config.attributes["connection"] = connection
             command.upgrade(config, "head")
+            if connection.exec_driver_sql("PRAGMA foreign_key_check").first() is not None:
+                raise refuse(db, "has rows that refer to nothing", "bring back the last backup")
             connection.exec_driver_sql(f"PRAGMA application_id={APPLICATION_ID}")
     finally:
         engine.dispose()
@@ -179,6 +185,11 @@ def refuse_newer(connection: Connection, db: Path) -> None:
     scripts = ScriptDirectory(str(MIGRATIONS))
     if seen is not None and seen not in {script.revision for script in scripts.walk_revisions()}:
         raise refuse(db, f"has tables of a newer program ({seen})", "update Verisim")
+
+
+def insert_for(connection: Connection, table: Table) -> Any:
+    """Returns an INSERT of this database that knows `on_conflict_do_nothing` and `…_update`."""
+    return (sqlite_insert if connection.dialect.name == "sqlite" else pg_insert)(table)
 
 
 def checkpoint(db: Path) -> None:

@@ -5,18 +5,22 @@ from __future__ import annotations
 
 import hashlib
 import hmac
+import random
 import secrets
 from typing import Any
 
-from sqlalchemy import Connection, func, insert, select, update
+from sqlalchemy import Connection, Row, insert, select, update
 
 from verisim.study.server import tables
+from verisim.study.server.adaptive import choose_next_clip
 from verisim.study.server.api_error import ApiError
-from verisim.study.server.bodies import SessionBody
+from verisim.study.server.bodies import External, SessionBody
 from verisim.study.server.database import utc_now
+from verisim.study.server.expected import expected_answer
+from verisim.study.server.lists import reserve_list, take_list
 from verisim.study.server.open_study import OpenStudy, to_json
 from verisim.study.server.reply import Reply
-from verisim.study.server.samplers import PlannedTrial, participant_seed
+from verisim.study.server.samplers import PlannedTrial, participant_seed, plan_order
 from verisim.study.server.submissions import record_submission
 
 CODE_LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"  # none that is mistaken for another
@@ -26,8 +30,13 @@ def hash_token(token: str) -> str:
     return hashlib.sha256(token.encode()).hexdigest()
 
 
-def choose_source(body: SessionBody, source_default: str, simulate_key: str | None) -> str:
-    """Returns the participant's source; the key makes simulated, and nothing else does."""
+def choose_source(
+    body: SessionBody, source_default: str, simulate_key: str | None, mode: str
+) -> str:
+    """Returns the participant's source; the key makes simulated, and nothing else does.
+
+    On a pilot server everybody is a pilot; on a live one nobody is.
+    """
     source = body.source or source_default
     if source == "simulated" or body.simulate_key is not None:
         given = (body.simulate_key or "").encode(errors="surrogatepass")
@@ -39,6 +48,18 @@ def choose_source(body: SessionBody, source_default: str, simulate_key: str | No
                 "source `simulated` and simulate_key go together, and the key must be the server's",
                 "leave simulate_key out to take part yourself",
             )
+        return source
+    if body.external is not None:
+        source = "link" if body.external.platform == "other" else body.external.platform
+    if mode == "pilot":
+        return "pilot"
+    if mode == "live" and source == "pilot":
+        raise ApiError(
+            403,
+            "no_pilot_here",
+            "this server collects live data; pilots have a server of their own",
+            "serve the study with --pilot and another --db",
+        )
     return source
 
 
@@ -55,8 +76,14 @@ def enrol(connection: Connection, opened: OpenStudy, body: SessionBody, source: 
             "open a new session with a new submission_id",
         )
     now = utc_now()
+    check_open(connection)
+    invitation = use_link(connection, opened.study.links, body, source)
+    if invitation is not None and source not in ("simulated", "pilot", "prolific", "mturk"):
+        source = invitation.source
+    cell, list_no = take_list(connection, opened, now)
     participant_id, session_id = f"p{secrets.token_hex(12)}", f"s{secrets.token_hex(12)}"
     token = secrets.token_urlsafe(32)
+    seed = participant_seed(opened.study.order.seed, list_no, cell)
     connection.execute(
         insert(tables.participant).values(
             participant_id=participant_id,
@@ -65,9 +92,15 @@ def enrol(connection: Connection, opened: OpenStudy, body: SessionBody, source: 
             state="enrolled",
             completion_code=_completion_code(),
             enrolled_utc=now,
+            cell=cell,
+            buttons=random.Random(f"{seed}:buttons").choice(("normal", "reversed")),
+            invitation_id=invitation.invitation_id if invitation else None,
         )
     )
-    _assign_order(connection, opened, participant_id, now)
+    if body.external is not None:
+        link_outside_id(connection, participant_id, body.external)
+    _assign_order(connection, opened, participant_id, cell, list_no, seed)
+    reserve_list(connection, opened, participant_id, cell, list_no, now)
     env = body.environment
     connection.execute(
         insert(tables.session).values(
@@ -91,11 +124,75 @@ def enrol(connection: Connection, opened: OpenStudy, body: SessionBody, source: 
             tz_offset_min=env.tz_offset_min,
         )
     )
-    # The key that marks simulated raters is a secret of the server: it stays out of the log.
-    logged = body.model_copy(update={"simulate_key": None}).model_dump_json().encode()
+    choose_next_clip(connection, opened, participant_id)
+    # Keys and outside ids have their own place, or none: they stay out of the log.
+    hidden = {"simulate_key": None, "external": None, "link": None}
+    logged = body.model_copy(update=hidden).model_dump_json().encode()
     record_submission(connection, session_id, body.submission_id, "session", logged, "stored", now)
     reply = {"token": token, "participant_id": participant_id, "session_id": session_id}
     return Reply(201, reply)
+
+
+def check_open(connection: Connection) -> None:
+    """Refuses newcomers while the study is paused or closed."""
+    state = connection.scalar(select(tables.study.c.state))
+    if state != "open":
+        raise ApiError(
+            403,
+            f"study_{state}",
+            f"the study is {state} to new participants",
+            "come back later" if state == "paused" else "ask the person in charge",
+        )
+
+
+def use_link(connection: Connection, links: str, body: SessionBody, source: str) -> Row[Any] | None:
+    """Returns the participant link that was followed, one use of it taken."""
+    if body.link is None:
+        if links == "required" and source != "simulated":
+            raise ApiError(403, "link_needed", "this study needs a link of your own", "ask for one")
+        return None
+    invitation = tables.invitation.c
+    row = connection.execute(
+        select(tables.invitation).where(invitation.token_sha256 == hash_token(body.link))
+    ).first()
+    if row is None:
+        raise ApiError(403, "link_unknown", "this link is not known", "check that it is whole")
+    if row.state == "closed":
+        raise ApiError(403, "link_closed", "this link was closed", "ask the person in charge")
+    if row.max_uses is not None and row.num_uses >= row.max_uses:
+        raise ApiError(
+            403, "link_used", "this link was used before", "go on in the browser you began with"
+        )
+    connection.execute(
+        update(tables.invitation)
+        .where(invitation.invitation_id == row.invitation_id)
+        .values(num_uses=row.num_uses + 1)
+    )
+    return row
+
+
+def link_outside_id(connection: Connection, participant_id: str, external: External) -> None:
+    """Stores who somebody is elsewhere; nobody takes part twice."""
+    link = tables.participant_link.c
+    known = select(link.participant_id).where(
+        link.platform == external.platform, link.external_id == external.participant
+    )
+    if connection.execute(known).first() is not None:
+        raise ApiError(
+            403,
+            "already_taken_part",
+            "somebody with this identifier has taken part before",
+            "go on in the browser you began with",
+        )
+    connection.execute(
+        insert(tables.participant_link).values(
+            participant_id=participant_id,
+            platform=external.platform,
+            external_id=external.participant,
+            external_study=external.study,
+            external_session=external.session,
+        )
+    )
 
 
 def _completion_code() -> str:
@@ -103,15 +200,21 @@ def _completion_code() -> str:
     return f"{letters[:5]}-{letters[5:]}"
 
 
-def _assign_order(connection: Connection, opened: OpenStudy, participant_id: str, now: str) -> None:
-    sampler = opened.study.order
-    list_no = _take_list(connection, opened.study.name, participant_id, now)
-    seed = participant_seed(sampler.seed, list_no)
-    plan = sampler.plan(opened.stimulus_set.stimuli, seed)
+def _assign_order(
+    connection: Connection,
+    opened: OpenStudy,
+    participant_id: str,
+    cell: str,
+    list_no: int,
+    seed: str,
+) -> None:
+    order = opened.study.order
+    layouts = opened.study.trial.layouts
+    plan = plan_order(order, opened.stimulus_set.stimuli, layouts, seed, list_no, cell)
     connection.execute(
         insert(tables.assignment).values(
             participant_id=participant_id,
-            algorithm=sampler.name,
+            algorithm=order.sampler.name,
             list_no=list_no,
             seed=seed,
             order_sha256=order_sha256(plan),
@@ -122,30 +225,7 @@ def _assign_order(connection: Connection, opened: OpenStudy, participant_id: str
 
 def order_sha256(plan: list[PlannedTrial]) -> str:
     """Returns the hash that shows later that an order is the one its seed gives."""
-    lines = "".join(f"{trial.trial_kind}\t{trial.stimulus}\n" for trial in plan)
-    return hashlib.sha256(lines.encode()).hexdigest()
-
-
-def _take_list(connection: Connection, study_id: str, participant_id: str, now: str) -> int:
-    """Takes the lowest list that is free again, else the next number."""
-    slot = tables.list_slot
-    free = select(func.min(slot.c.list_no)).where(slot.c.participant_id.is_(None))
-    list_no = connection.scalar(free)
-    if list_no is not None:
-        connection.execute(
-            update(slot)
-            .where(slot.c.list_no == list_no)
-            .values(participant_id=participant_id, reserved_utc=now)
-        )
-        return int(list_no)
-    last = connection.scalar(select(func.max(slot.c.list_no)))
-    list_no = 0 if last is None else int(last) + 1
-    connection.execute(
-        insert(slot).values(
-            study_id=study_id, list_no=list_no, participant_id=participant_id, reserved_utc=now
-        )
-    )
-    return list_no
+    return hashlib.sha256("".join(trial.line() for trial in plan).encode()).hexdigest()
 
 
 def _trial_rows(
@@ -153,24 +233,24 @@ def _trial_rows(
 ) -> list[dict[str, Any]]:
     """Numbers the trials; block 0 is practice, then a new block begins after each rest."""
     study = opened.study
-    primary = study.question(study.analysis.primary).scale()
-    assert primary is not None  # the study file allows only a numeric primary question
-    middle = (primary.min + primary.max) / 2
-    expected = to_json({"question": study.analysis.primary, "below": middle})
     num_practice = sum(trial.trial_kind == "practice" for trial in plan)
     rows = []
     for i, trial in enumerate(plan):
         is_practice = trial.trial_kind == "practice"
         rest_every = study.trial.rest_every or len(plan)
+        clips = [opened.stimulus_ids[name] for name in trial.clips]
+        expected = expected_answer(study, trial) if clips else None
         rows.append(
             {
                 "participant_id": participant_id,
                 "trial_index": i,
                 "block": 0 if is_practice else 1 + (i - num_practice) // rest_every,
                 "trial_kind": trial.trial_kind,
-                "layout": study.trial.layout,
-                "stimulus_a": opened.stimulus_ids[trial.stimulus],
-                "expected_json": expected if trial.trial_kind == "catch" else None,
+                "layout": trial.layout,
+                "stimulus_a": clips[0] if clips else None,
+                "stimulus_b": clips[1] if len(clips) == 2 else None,
+                "expected_json": to_json(expected) if expected else None,
+                "track": trial.track or None,
             }
         )
     return rows

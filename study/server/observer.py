@@ -5,9 +5,13 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from verisim.study.server.achieved import achieved_level
+from verisim.study.server.questions import Percept
+from verisim.study.server.samplers.tracks import Track
 from verisim.study.server.stimulus_set import Stimulus
 
 # Half of the observers' full effect is reached at these sizes (m). Chosen, not measured: the demo's
@@ -36,23 +40,64 @@ def visible_error(stimulus: Stimulus) -> float:
     return 1 - unnoticed
 
 
+def manipulation(stimulus: Stimulus, tracks: Sequence[Track]) -> tuple[str, float] | None:
+    """Returns the track that a clip belongs to and the magnitude it achieved; None for others."""
+    for track in tracks:
+        if track.scene not in (None, stimulus.scene) or stimulus.role != "test":
+            continue
+        level = achieved_level(stimulus, track.factor)
+        if level is None or (track.scale == "ratio" and level <= 0):
+            continue
+        magnitude = track.magnitude(level)
+        if magnitude > 1e-9:
+            return track.name, magnitude
+    return None
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What the raters of a simulation have in common; each varies about it."""
+
+    bias: float = 0.0  # added to every judgement
+    sensitivity: float = 1.0  # 1: sees the visible error as it is; 0: sees none
+    noise: float = 0.1  # standard deviation of one judgement
+    lapse: float = 0.02  # share of judgements made at random
+    spread: float = 1.0  # of bias and sensitivity between raters; 0: all alike
+    side_bias: float = 0.0  # towards the second or right clip of a pair
+    false_alarm: float = 0.05  # share of flawless clips in which a fault is "seen"
+    slope: float = 0.15  # of the psychometric function, on the axis of log10(magnitude)
+    thresholds: dict[str, float] = field(default_factory=dict)  # by track; median magnitude
+
+
 @dataclass(frozen=True)
 class Observer:
-    """The traits of one scripted rater, all known and stored with the data."""
+    """One scripted rater. Sees what a clip achieved, never its level, its name or its cost."""
 
-    bias: float  # added to every judgement
-    sensitivity: float  # 1: sees the visible error as it is; 0: sees none
-    noise: float  # standard deviation of one judgement
-    lapse: float  # share of judgements made at random
+    bias: float
+    sensitivity: float
+    noise: float
+    lapse: float
+    side_bias: float
+    false_alarm: float
+    slope: float
+    thresholds: dict[str, float]
 
     @classmethod
-    def draw(cls, rng: random.Random) -> Observer:
-        """Draws traits: bias N(0, 0.06), sensitivity log-normal about 1, noise 0.06 to 0.14."""
+    def draw(cls, rng: random.Random, traits: Traits | None = None) -> Observer:
+        """Draws a rater about the common traits: bias N(0, 0.06), sensitivity log-normal."""
+        traits = traits or Traits()
         return cls(
-            bias=rng.gauss(0, 0.06),
-            sensitivity=math.exp(rng.gauss(0, 0.25)),
-            noise=rng.uniform(0.06, 0.14),
-            lapse=0.02,
+            bias=traits.bias + traits.spread * rng.gauss(0, 0.06),
+            sensitivity=traits.sensitivity * math.exp(traits.spread * rng.gauss(0, 0.25)),
+            noise=traits.noise * rng.uniform(0.6, 1.4),
+            lapse=traits.lapse,
+            side_bias=traits.side_bias,
+            false_alarm=traits.false_alarm,
+            slope=traits.slope,
+            thresholds={
+                name: value * 10 ** (traits.spread * rng.gauss(0, 0.08))
+                for name, value in sorted(traits.thresholds.items())
+            },
         )
 
     def feel(self, error: float, rng: random.Random) -> float:
@@ -62,5 +107,32 @@ class Observer:
         felt = 0.9 - 0.8 * self.sensitivity * error + self.bias + rng.gauss(0, self.noise)
         return min(1.0, max(0.0, felt))
 
+    def chance_to_notice(self, error: float, manipulated: tuple[str, float] | None) -> float:
+        """Returns the probability of seeing a fault; a known threshold counts before the error."""
+        if manipulated is not None and manipulated[0] in self.thresholds:
+            track, magnitude = manipulated
+            z = (math.log10(magnitude) - math.log10(self.thresholds[track])) / self.slope
+        else:
+            z = (self.sensitivity * error - 0.4) / 0.15
+        seen = 0.5 * (1 + math.erf(z / math.sqrt(2)))
+        return self.false_alarm + (1 - self.false_alarm - self.lapse) * seen
+
+    def perceive(
+        self,
+        clips: Sequence[tuple[float, tuple[str, float] | None]],
+        duration_ms: float,
+        rng: random.Random,
+    ) -> Percept:
+        """clips: visible error and manipulation of each clip, in the order shown."""
+        return Percept(
+            qualities=tuple(self.feel(error, rng) for error, _ in clips),
+            noticed=tuple(rng.random() < self.chance_to_notice(*clip) for clip in clips),
+            duration_ms=duration_ms,
+            lean=self.side_bias,
+        )
+
     def describe(self) -> dict[str, Any]:
-        return {name: round(value, 4) for name, value in asdict(self).items()}
+        """Returns the traits, one number each, for the event that is stored with the data."""
+        numbers = {k: v for k, v in asdict(self).items() if k != "thresholds"}
+        numbers |= {f"threshold_{name}"[:40]: value for name, value in self.thresholds.items()}
+        return {name: round(value, 4) for name, value in numbers.items()}

@@ -6,15 +6,16 @@ from __future__ import annotations
 import json
 import secrets
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, Select, delete, func, insert, select, update
-from sqlalchemy.dialects.sqlite import insert as insert_or
 
-from verisim.study.problems import refuse
+from verisim.study.problems import Problem, StudyError, refuse
 from verisim.study.server import tables
-from verisim.study.server.database import prepare_database, utc_now, writing_engine
+from verisim.study.server.database import insert_for, prepare_database, utc_now, writing_engine
+from verisim.study.server.design import find_design_problems
 from verisim.study.server.questions import Question
 from verisim.study.server.stimulus_set import Stimulus, StimulusSet, load_stimulus_set
 from verisim.study.server.study_file import Study, load_study
@@ -31,12 +32,16 @@ class OpenStudy:
     stimulus_ids: dict[str, int]  # by stimulus name
     question_ids: dict[str, int]  # by question key
 
+    @cached_property
     def stimulus_by_id(self) -> dict[int, Stimulus]:
-        by_name = {stimulus.name: stimulus for stimulus in self.stimulus_set.stimuli}
-        return {number: by_name[name] for name, number in self.stimulus_ids.items()}
+        return {number: self.stimulus_by_name[name] for name, number in self.stimulus_ids.items()}
+
+    @cached_property
+    def stimulus_by_name(self) -> dict[str, Stimulus]:
+        return {stimulus.name: stimulus for stimulus in self.stimulus_set.stimuli}
 
 
-def open_study(study_path: Path, set_dir: Path, db: Path) -> OpenStudy:
+def open_study(study_path: Path, set_dir: Path, db: Path, mode: str = "open") -> OpenStudy:
     """Loads study and clips, migrates the database and writes what is new.
 
     Raises StudyError where a file is wrong, where the database belongs to another study, and where
@@ -50,16 +55,27 @@ def open_study(study_path: Path, set_dir: Path, db: Path) -> OpenStudy:
             f"holds the set {stimulus_set.name!r}; the study {study.name!r} shows {study.set!r}",
             "give the directory of that set, or change `set` in the study file",
         )
+    check_design(study, stimulus_set)
     prepare_database(db)
     engine = writing_engine(db)
     try:
         with engine.begin() as connection:
-            return _import(connection, study, stimulus_set, db)
+            return _import(connection, study, stimulus_set, db, mode)
     finally:
         engine.dispose()
 
 
-def _import(connection: Connection, study: Study, clips: StimulusSet, db: Path) -> OpenStudy:
+def check_design(study: Study, clips: StimulusSet) -> None:
+    """Refuses a design that cannot be carried out with these clips."""
+    faults = find_design_problems(study, clips)
+    if faults:
+        hint = "see the whole design: `verisim check STUDY`"
+        raise StudyError([Problem(str(study.path), fault, hint) for fault in faults])
+
+
+def _import(
+    connection: Connection, study: Study, clips: StimulusSet, db: Path, mode: str
+) -> OpenStudy:
     row = connection.execute(select(tables.study)).mappings().first()
     if row is not None and row["study_id"] != study.name:
         raise refuse(
@@ -67,8 +83,14 @@ def _import(connection: Connection, study: Study, clips: StimulusSet, db: Path) 
             f"holds the study {row['study_id']!r}, not {study.name!r}",
             "give another --db FILE; a database holds one study",
         )
+    num = connection.scalar(select(func.count()).select_from(tables.participant))
+    if row is not None and num and row["mode"] != mode:
+        raise refuse(
+            db,
+            f"holds {num} participants of the mode {row['mode']!r}, not {mode!r}",
+            "pilot and live data are kept apart: give another --db FILE",
+        )
     if row is None or not _is_same(row, study, clips):
-        num = connection.scalar(select(func.count()).select_from(tables.participant))
         if num:
             changed = "study file or texts" if _is_same_set(row, clips) else "clips"
             raise refuse(
@@ -79,6 +101,7 @@ def _import(connection: Connection, study: Study, clips: StimulusSet, db: Path) 
         _write(connection, study, clips)
     elif row["set_dir"] != str(clips.directory):
         connection.execute(update(tables.study).values(set_dir=str(clips.directory)))
+    connection.execute(update(tables.study).values(mode=mode))
     names = select(tables.stimulus.c.name, tables.stimulus.c.stimulus_id)
     keys = select(tables.question.c.key, tables.question.c.question_id)
     return OpenStudy(
@@ -114,12 +137,22 @@ def _write(connection: Connection, study: Study, clips: StimulusSet) -> None:
         "set_dir": str(clips.directory),
         "set_sha256": clips.sha256,
         "blind_key": secrets.token_hex(16),
+        "withdraw_key": secrets.token_hex(32),
         "state": "open",
         "created_utc": utc_now(),
     }
-    connection.execute(insert_or(tables.study).values(row).on_conflict_do_update(set_=row))
     connection.execute(
-        insert(tables.question), [_question_row(study, question) for question in study.questions]
+        insert_for(connection, tables.study)
+        .values(row)
+        .on_conflict_do_update(index_elements=["study_id"], set_=row)
+    )
+    connection.execute(
+        insert(tables.question),
+        [
+            _question_row(study, question, place)
+            for place, asked in (("trial", study.questions), ("session_end", study.end_questions))
+            for question in asked
+        ],
     )
     conditions: dict[str, int] = {}
     for stimulus in clips.stimuli:
@@ -159,7 +192,7 @@ def _inserted_id(connection: Connection, table: Any, **values: Any) -> int:
     return int(key[0])
 
 
-def _question_row(study: Study, question: Question) -> dict[str, Any]:
+def _question_row(study: Study, question: Question, place: str) -> dict[str, Any]:
     scale = question.scale()
     return {
         "study_id": study.name,
@@ -171,6 +204,7 @@ def _question_row(study: Study, question: Question) -> dict[str, Any]:
         "scale_max": scale.max if scale else None,
         "scale_step": scale.step if scale else None,
         "prompt_json": to_json(question.prompt),
+        "place": place,
         "meaning_json": to_json({lang: question.meaning(lang) for lang in study.languages}),
     }
 

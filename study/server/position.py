@@ -3,14 +3,19 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from sqlalchemy import Connection, func, select
 
 from verisim.study.server import tables
+from verisim.study.server.asked import questions_of_trial
 from verisim.study.server.open_study import OpenStudy
+from verisim.study.server.steps import last_check
 from verisim.study.server.stimulus_set import Stimulus
+from verisim.study.server.study_parts import Ending
 from verisim.study.server.submissions import Caller
+from verisim.study.server.withdrawal import withdrawal_of
 
 STEPS = {
     "enrolled": "consent",
@@ -19,7 +24,10 @@ STEPS = {
     "completed": "thanks",
     "declined": "declined",
     "withdrawn": "declined",
+    "screened_out": "screened_out",
+    "stopped": "stopped",
 }
+ENDINGS = {"thanks": "complete", "stopped": "partial", "screened_out": "screened_out"}
 
 
 def next_step(connection: Connection, opened: OpenStudy, caller: Caller) -> dict[str, Any]:
@@ -30,12 +38,55 @@ def next_step(connection: Connection, opened: OpenStudy, caller: Caller) -> dict
         select(func.count(), func.count(trial.answered_utc)).where(mine)
     ).one()
     step = STEPS[caller.state]
+    check = last_check(connection, caller.session_id)
+    if step == "instructions" and opened.study.screen is not None:
+        if check is None or check.verdict == "refused":
+            step = "screen"
+    elif step == "trial" and done == total:
+        step = "end_questions"
+    completion = describe_ending(opened, caller, step, done / total if total else 1.0)
+    is_over = step in ("thanks", "stopped")
     return {
         "step": step,
         "progress": {"done": done, "total": total},
-        "completion_code": caller.completion_code if step == "thanks" else None,
+        "language": connection.scalar(
+            select(tables.consent.c.language).where(
+                tables.consent.c.participant_id == caller.participant_id
+            )
+        ),
+        "completion": completion,
+        "completion_code": completion["code"] if completion and step == "thanks" else None,
+        "withdraw_fragment": f"withdraw={withdrawal_of(connection, caller.participant_id)}"
+        if is_over
+        else None,
+        "screen_problems": [
+            {"code": problem["code"], "fixable": problem["fixable"]}
+            for problem in (json.loads(check.problems_json) if check else [])
+        ]
+        if step in ("screen", "screened_out")
+        else [],
         "trial": first_open_trial(connection, opened, caller) if step == "trial" else None,
     }
+
+
+def describe_ending(
+    opened: OpenStudy, caller: Caller, step: str, share_done: float
+) -> dict[str, Any] | None:
+    """Returns code and way back for the way in which the session ended."""
+    kind = ENDINGS.get(step)
+    if kind is None:
+        return None
+    completion = opened.study.completion
+    ending: Ending | None = completion.complete
+    if kind == "partial":
+        ending = completion.partial if share_done >= completion.partial_from_share else None
+    elif kind == "screened_out":
+        ending = completion.screened_out
+    if ending is None:
+        return {"kind": kind, "code": None, "return_url": None}
+    code = ending.code or caller.completion_code
+    url = ending.return_url.replace("{code}", code) if ending.return_url else None
+    return {"kind": kind, "code": code, "return_url": url}
 
 
 def first_open_trial(connection: Connection, opened: OpenStudy, caller: Caller) -> dict[str, Any]:
@@ -45,7 +96,12 @@ def first_open_trial(connection: Connection, opened: OpenStudy, caller: Caller) 
         mine.where(trial.answered_utc.is_(None)).order_by(trial.trial_index).limit(1)
     ).one()
     previous = connection.execute(mine.where(trial.trial_index == row.trial_index - 1)).first()
-    stimuli = opened.stimulus_by_id()
+    seed, buttons = connection.execute(
+        select(tables.assignment.c.seed, tables.participant.c.buttons)
+        .join_from(tables.assignment, tables.participant)
+        .where(tables.participant.c.participant_id == caller.participant_id)
+    ).one()
+    asked = questions_of_trial(opened.study.questions, seed, row.trial_index)
     shown = [number for number in (row.stimulus_a, row.stimulus_b) if number is not None]
     is_practice = row.trial_kind == "practice"
     # To the participant there are two kinds: practice and the rest.
@@ -56,8 +112,13 @@ def first_open_trial(connection: Connection, opened: OpenStudy, caller: Caller) 
         "trial_kind": row.trial_kind,
         "layout": row.layout,
         "first_of_kind": first_of_kind,
-        "clips": [describe_clip(stimuli[number]) for number in shown],
-        "question_keys": [question.key for question in opened.study.questions],
+        "clips": [describe_clip(opened.stimulus_by_id[number]) for number in shown],
+        "question_keys": [question.key for question, _ in asked],
+        "conditions": {
+            question.key: condition.page_fields() for question, condition in asked if condition
+        },
+        "reversed": [q.key for q, _ in asked if q.has_options and buttons == "reversed"],
+        "feedback": is_practice and opened.study.practice.feedback,
         "rest_before": previous is not None and previous.block > 0 and row.block > previous.block,
     }
 

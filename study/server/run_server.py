@@ -103,7 +103,9 @@ def _prepared(
     with DatabaseLock(db):
         opened = open_study(study, set_dir, db)
         with _bound(host, port) as listener:
-            serving = Serving(opened, Writer(db), reading_engine(db), source_default, simulate_key)
+            serving = Serving(
+                opened, Writer(db), reading_engine(db), db, source_default, simulate_key
+            )
             config = uvicorn.Config(
                 create_app(serving),
                 access_log=False,  # uvicorn's own would print addresses; Guard logs without

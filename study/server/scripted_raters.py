@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Scripted raters take the study through the real HTTP interface of a real server."""
+"""Scripted raters: the whole study over HTTP in seconds, marked as simulated."""
 
 from __future__ import annotations
 
@@ -15,22 +15,25 @@ from typing import Any
 
 from verisim.study.problems import refuse
 from verisim.study.server.http_client import HttpClient
-from verisim.study.server.observer import Observer, visible_error
-from verisim.study.server.questions import Question
+from verisim.study.server.observer import Observer, Traits, manipulation, visible_error
+from verisim.study.server.questions import Answer, Percept, Question
+from verisim.study.server.questions.ask import Condition
 from verisim.study.server.run_server import serving_in_background
+from verisim.study.server.samplers import find_tracks
 from verisim.study.server.stimulus_set import load_stimulus_set
-from verisim.study.server.study_file import load_study
+from verisim.study.server.study_file import Study, load_study
 
 AT_ONCE = 4  # raters in parallel
+PX_PER_MM = 3.78  # of the scripted screen: 96 CSS px per inch
 ENVIRONMENT = {
     "browser": "scripted rater",
     "browser_version": "1",
     "os": "none",
     "is_mobile": False,
-    "screen_w": 1280,
-    "screen_h": 720,
-    "viewport_w": 1280,
-    "viewport_h": 720,
+    "screen_w": 3840,
+    "screen_h": 2160,
+    "viewport_w": 3840,
+    "viewport_h": 2160,
     "device_pixel_ratio": 1,
     "refresh_hz": None,
     "language": "en",
@@ -39,18 +42,19 @@ ENVIRONMENT = {
 }
 
 OnProgress = Callable[[int, int], None]
+Seen = tuple[float, tuple[str, float] | None]  # visible error, manipulation achieved
 
 
 @dataclass
 class Clips:
-    """What raters see of the clips: the visible error by sha256; each clip is fetched once."""
+    """What raters see of the clips, by sha256; each clip is fetched once."""
 
-    errors: dict[str, float]
+    seen: dict[str, Seen]
     fetched: set[str] = field(default_factory=set)
     lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def watch(self, client: HttpClient, clip: dict[str, Any]) -> float:
-        """Fetches a clip as the page would, checks its bytes, and returns its visible error."""
+    def watch(self, client: HttpClient, clip: dict[str, Any]) -> Seen:
+        """Fetches a clip as the page would, checks its bytes, and returns what is seen."""
         with self.lock:
             is_new = clip["sha256"] not in self.fetched
             self.fetched.add(clip["sha256"])
@@ -58,7 +62,7 @@ class Clips:
             seen = hashlib.sha256(client.get_bytes(clip["url"])).hexdigest()
             if seen != clip["sha256"]:
                 raise refuse(clip["url"], f"the server sent other bytes (sha256 {seen[:12]}…)")
-        return self.errors[clip["sha256"]]
+        return self.seen[clip["sha256"]]
 
 
 def simulate(
@@ -69,25 +73,36 @@ def simulate(
     seed: int,
     port: int = 0,
     *,
+    traits: Traits | None = None,
     on_progress: OnProgress = lambda _done, _total: None,
 ) -> None:
     """Lets scripted raters take the whole study; their data carry source `simulated`.
 
-    Answers follow from each clip's visible error and the rater's stated traits (observer.py), which
-    are stored as an `observer` event of the session. The same seed in a new database gives the same
+    Answers follow from what each clip achieved and the rater's traits (observer.py), which are
+    stored as an `observer` event of the session. The same seed in a new database gives the same
     raters, orders and answers. Raises StudyError where serving would, and when a rater is refused.
     """
     if participants < 1:
         raise refuse("participants", f"{participants} is not allowed", "give a number from 1")
     loaded = load_study(study)
-    clips = Clips({s.sha256: visible_error(s) for s in load_stimulus_set(set_dir).stimuli})
-    questions = {question.key: question for question in loaded.questions}
+    sampler = find_tracks(loaded.order.sampler)
+    tracks = sampler.tracks if sampler else ()
+    unknown = set(traits.thresholds if traits else ()) - {track.name for track in tracks}
+    if unknown:
+        known = ", ".join(track.name for track in tracks) or "none"
+        raise refuse("threshold", f"no track {sorted(unknown)[0]!r}", f"tracks: {known}")
+    clips = Clips(
+        {
+            s.sha256: (visible_error(s), manipulation(s, tracks))
+            for s in load_stimulus_set(set_dir).stimuli
+        }
+    )
     key = secrets.token_urlsafe(32)
     done = 0
     lock = threading.Lock()
     with serving_in_background(study, set_dir, db, port, simulate_key=key) as address:
         raters = [
-            Rater(address, random.Random(f"{seed}:{i}"), clips, questions)
+            Rater(address, random.Random(f"{seed}:{i}"), clips, loaded, traits)
             for i in range(participants)
         ]
         for rater in raters:  # one after another, so that rater i always gets the same order
@@ -109,13 +124,18 @@ class Rater:
     """One scripted participant, from the first request to thanks."""
 
     def __init__(
-        self, address: str, rng: random.Random, clips: Clips, questions: dict[str, Question]
+        self,
+        address: str,
+        rng: random.Random,
+        clips: Clips,
+        study: Study,
+        traits: Traits | None,
     ) -> None:
         self._address = address
         self._rng = rng
         self._clips = clips
-        self._questions = questions
-        self._observer = Observer.draw(rng)
+        self._study = study
+        self._observer = Observer.draw(rng, traits)
         self._clock_ms = 0.0
         self._token = ""
 
@@ -132,13 +152,16 @@ class Rater:
     def take_part(self) -> None:
         with HttpClient(self._address, self._token) as client:
             self._begin(client)
-            while (step := client.get("/api/next"))["step"] == "trial":
-                client.post("/api/trials", **self._answer(client, step["trial"]))
+            while (step := client.get("/api/next"))["step"] in ("trial", "end_questions"):
+                if step["step"] == "trial":
+                    client.post("/api/trials", **self._answer(client, step["trial"]))
+                else:
+                    client.post("/api/end_questions", responses=self._answer_end())
         if step["step"] != "thanks":
             raise refuse("simulate", f"a rater ended at {step['step']!r} instead of thanks")
 
     def _begin(self, client: HttpClient) -> None:
-        """Stores the rater's traits, agrees to the consent form and reads the instructions."""
+        """Stores the rater's traits, agrees, passes the screen check, reads the instructions."""
         event = {
             "seq": 0,
             "presentation_id": None,
@@ -155,30 +178,63 @@ class Rater:
             form_sha256=page["consent"]["sha256"],
             language=page["language"],
         )
+        if page["screen"] is not None:
+            client.post("/api/screen", **self._screen(page["screen"]))
         client.post("/api/instructions")
 
+    def _screen(self, rules: dict[str, Any]) -> dict[str, Any]:
+        """A screen that fits: refresh rate of the clips, distance for a density in the limits."""
+        distance = rules["distance_mm"]["default"] if rules["distance_mm"] else None
+        if distance and rules["px_per_degree"]:
+            per_mm = PX_PER_MM * 0.017454
+            middle = sum(rules["px_per_degree"]) / 2 / per_mm
+            distance = min(max(middle, rules["distance_mm"]["min"]), rules["distance_mm"]["max"])
+        return {
+            "environment": ENVIRONMENT,
+            "codec_plays": True,
+            "fullscreen": True,
+            "refresh_hz": max(rules["frame_rates_hz"]),
+            "css_px_per_mm": None if rules["calibration"] == "off" else PX_PER_MM,
+            "viewing_distance_mm": distance,
+        }
+
     def _answer(self, client: HttpClient, trial: dict[str, Any]) -> dict[str, Any]:
-        clip = trial["clips"][0]
-        error = max(self._clips.watch(client, clip) for clip in trial["clips"])
-        length_ms = 1000 * clip["duration_s"]
+        seen = [self._clips.watch(client, clip) for clip in trial["clips"]]
+        length_ms = 1000 * max(clip["duration_s"] for clip in trial["clips"])
         onset_ms = self._clock_ms + 800
-        self._clock_ms = onset_ms + length_ms + 4000
-        responses = [self._respond(self._questions[key], error) for key in trial["question_keys"]]
-        presentation = {
-            "presentation_id": client.new_id(),
+        self._clock_ms = onset_ms + length_ms * len(seen) + 4000
+        questions = [self._study.question(key) for key in trial["question_keys"]]
+        conditions = {key: Condition(**fields) for key, fields in trial["conditions"].items()}
+        responses = self._respond(questions, conditions, trial["reversed"], seen, length_ms)
+        played = {
             "num_plays": 1,
             "onset_ms": onset_ms,
             "first_frame_ms": 0,
             "ended_ms": onset_ms + length_ms,
-            "frames_total": clip["num_frames"],
             "frames_dropped": 0,
             "stall_count": 0,
             "stall_ms": 0,
+        }
+        presentation = {
+            "presentation_id": client.new_id(),
+            **played,
+            "frames_total": sum(clip["num_frames"] for clip in trial["clips"]),
             "hidden_ms": 0,
             "fullscreen": False,
-            "displayed_w": clip["width_px"],
-            "displayed_h": clip["height_px"],
+            "displayed_w": trial["clips"][0]["width_px"],
+            "displayed_h": trial["clips"][0]["height_px"],
             "completed": True,
+            "device_pixel_ratio": 1,
+            "scale": 1,
+            "clips": [
+                {
+                    "position": i,
+                    "sha256": clip["sha256"],
+                    **played,
+                    "frames_total": clip["num_frames"],
+                }
+                for i, clip in enumerate(trial["clips"])
+            ],
         }
         return {
             "trial_id": trial["trial_id"],
@@ -186,16 +242,54 @@ class Rater:
             "responses": responses,
         }
 
-    def _respond(self, question: Question, error: float) -> dict[str, Any]:
-        felt = self._observer.feel(error, self._rng)
-        answer = question.simulate(felt, self._rng)
+    def _respond(
+        self,
+        questions: list[Question],
+        conditions: dict[str, Condition],
+        turned: list[str],
+        seen: list[Seen],
+        length_ms: float,
+    ) -> list[dict[str, Any]]:
+        given: dict[tuple[str, str], Answer] = {}
+        responses: list[dict[str, Any]] = []
+        for question in questions:
+            if question.key in conditions and not conditions[question.key].holds(given):
+                continue
+            percept = self._observer.perceive(seen, length_ms, self._rng)
+            answers = question.simulate(percept, self._rng)
+            given |= {(question.key, item): answer for item, answer in answers.items()}
+            is_turned = question.key in turned
+            responses += self._rows(question, answers, "video_end", is_turned=is_turned)
+        return responses
+
+    def _answer_end(self) -> list[dict[str, Any]]:
+        responses: list[dict[str, Any]] = []
+        for question in self._study.end_questions:
+            percept = Percept((self._rng.random(),), (self._rng.random() < 0.2,), 0.0)
+            answers = question.simulate(percept, self._rng)
+            responses += self._rows(question, answers, "form_shown")
+        return responses
+
+    def _rows(
+        self,
+        question: Question,
+        answers: dict[str, Answer],
+        origin: str,
+        *,
+        is_turned: bool = False,
+    ) -> list[dict[str, Any]]:
         rt_ms = round(1500 * self._rng.lognormvariate(0, 0.35), 1)
-        return {
-            "question": question.key,
-            "value": answer.value,
-            "value_text": answer.value_text,
-            "rt_ms": rt_ms,
-            "rt_origin": "video_end",
-            "first_touch_ms": rt_ms,
-            "num_changes": 0,
-        }
+        return [
+            {
+                "question": question.key,
+                "item": item,
+                "value": answer.value,
+                "value_text": answer.value_text,
+                "rt_ms": rt_ms,
+                "rt_origin": origin,
+                "first_touch_ms": rt_ms,
+                "num_changes": 0,
+                "reversed": is_turned,
+            }
+            for item, answer in answers.items()
+        ]

@@ -11,42 +11,29 @@ from pathlib import Path
 from typing import Any
 
 from verisim.study.problems import Problem, StudyError
+from verisim.study.server.data_note import data_note
 from verisim.study.server.questions import QUESTION_KINDS, Question
-from verisim.study.server.samplers import SAMPLERS, Sampler
+from verisim.study.server.questions.ask import Ask
+from verisim.study.server.samplers import Order, find_tracks, order_json, read_order
+from verisim.study.server.study_parts import (
+    AnalysisPlan,
+    Completion,
+    Exclusion,
+    Practice,
+    ScreenRules,
+    TrialLayout,
+    read_analysis,
+    read_completion,
+    read_exclude,
+    read_practice,
+    read_screen,
+    read_trial,
+)
 from verisim.study.server.study_text import StudyText, read_text
-from verisim.study.server.yaml_source import Section, YamlSource, is_integer, is_text
+from verisim.study.server.yaml_source import Section, YamlSource, is_text
 
 SCHEMA = 1
 SOURCES = ("lab", "link", "prolific", "mturk", "pilot", "simulated")
-
-
-@dataclass(frozen=True)
-class TrialLayout:
-    """How one trial is shown."""
-
-    layout: str  # single: one clip
-    lock: str  # first_play: answers open after the first full play
-    replays: int  # further plays allowed
-    fixation_ms: list[int]  # pause before the clip, drawn between the two
-    rest_every: int  # trials between offered rests; 0: none
-
-
-@dataclass(frozen=True)
-class Exclusion:
-    """Rules that flag a participant in the export; nobody is dropped."""
-
-    missed_catch: (
-        int | None
-    )  # flagged when at least so many catch clips were rated above the middle
-    median_rt_below_ms: float | None
-
-
-@dataclass(frozen=True)
-class AnalysisPlan:
-    """What the analysis is told beforehand."""
-
-    primary: str  # key of the question that counts first
-    equivalence_margin: float | None  # share of the scale's range
 
 
 @dataclass(frozen=True)
@@ -63,13 +50,18 @@ class Study:
     instructions: dict[str, StudyText]
     thanks: dict[str, StudyText]
     trial: TrialLayout
+    screen: ScreenRules | None
+    practice: Practice
     questions: list[Question]
-    order: Sampler
+    end_questions: list[Question]
+    order: Order
+    completion: Completion
+    links: str  # open: anybody may take part; required: only who has a participant link
     exclude: Exclusion
     analysis: AnalysisPlan
 
     def question(self, key: str) -> Question:
-        return next(question for question in self.questions if question.key == key)
+        return next(q for q in [*self.questions, *self.end_questions] if q.key == key)
 
     def config_json(self) -> str:
         """Returns all that decides what participants see and how it is analysed, as JSON."""
@@ -90,10 +82,15 @@ class Study:
             "consent": texts(self.consent),
             "instructions": texts(self.instructions),
             "thanks": texts(self.thanks),
-            "trial": asdict(self.trial),
+            "trial": {"layout": self.trial.layout, **asdict(self.trial)},
+            "screen": asdict(self.screen) if self.screen else None,
+            "practice": asdict(self.practice),
             "questions": [{"kind": q.kind, **asdict(q)} for q in self.questions],
-            "order": {"sampler": self.order.name, **asdict(self.order)},
-            "exclude": asdict(self.exclude),
+            "end_questions": [{"kind": q.kind, **asdict(q)} for q in self.end_questions],
+            "order": order_json(self.order),
+            "completion": asdict(self.completion),
+            "links": self.links,
+            "exclude": self.exclude.rules(),
             "analysis": asdict(self.analysis),
         }
         return json.dumps(config, ensure_ascii=False, sort_keys=True)
@@ -110,22 +107,86 @@ def load_study(path: Path) -> Study:
     name, title, contact = top.name("name"), top.text("title"), top.text("contact")
     set_name = top.name("set")
     languages = _read_languages(top)
+    trial = read_trial(top.section("trial"))
+    screen = read_screen(top.section("screen")) if top.has("screen") else None
+    questions = _read_questions(top, "questions", languages)
+    practice = read_practice(top.section("practice", required=False), questions)
+    end_questions = _read_questions(top, "end_questions", languages)
+    order = read_order(top.section("order"))
+    completion = read_completion(top.section("completion", required=False))
+    links = top.choice("links", ("open", "required"), "open")
+    exclude = read_exclude(top.section("exclude", required=False))
+    analysis = read_analysis(top.section("analysis"), questions)
     words = {"title": title or "", "contact": contact or ""}
-    consent = _read_texts(top, "consent", languages, words, versioned=True)
+    notes = {
+        language: data_note(language, screen, [*questions, *end_questions], links)
+        for language in languages
+    }
+    consent = _read_texts(top, "consent", languages, words, notes=notes)
     instructions = _read_texts(top, "instructions", languages, words)
     thanks = _read_texts(top, "thanks", languages, words)
-    trial = _read_trial(top.section("trial"))
-    questions = _read_questions(top, languages)
-    order = _read_order(top.section("order"))
-    exclude = _read_exclude(top.section("exclude", required=False))
-    analysis = _read_analysis(top.section("analysis"), questions)
+    top.taken.append("screen")
     top.finish()
+    if order is not None:
+        _check_together(top, trial, questions, end_questions, order)
     source.raise_problems()
     assert order is not None
     return Study(
         path, name, title, contact, set_name, languages, consent, instructions, thanks, trial,
-        questions, order, exclude, analysis,
+        screen, practice, questions, end_questions, order, completion, links, exclude, analysis,
     )  # fmt: skip
+
+
+def _check_together(
+    top: Section,
+    trial: TrialLayout,
+    questions: list[Question],
+    end_questions: list[Question],
+    order: Order,
+) -> None:
+    """Reports parts that are right alone and wrong together."""
+    is_pair = trial.layout != "single"
+    if is_pair != (order.pairs is not None):
+        top.complain(
+            "order",
+            "pairs need a layout of two clips, and such a layout needs pairs",
+            "add `pairs: {with: reference}`, or write `layout: single`",
+        )
+    keys: set[str] = set()
+    for place, asked in (("questions", questions), ("end_questions", end_questions)):
+        seen: dict[str, Question] = {}
+        for question in asked:
+            if question.key in keys:
+                top.complain(place, f"the key {question.key!r} is used by two questions")
+            keys.add(question.key)
+            if place == "end_questions" and question.is_about_clip:
+                top.complain(place, f"{question.key}: a {question.kind} question needs a clip")
+            if question.kind == "choice" and not is_pair:
+                top.complain(place, f"{question.key}: a choice needs a layout of two clips")
+            if place == "end_questions" and question.ask != Ask():
+                top.complain(place, f"{question.key}: is asked always; remove its `ask`")
+            rule = question.ask.condition
+            if rule is not None:
+                other = seen.get(rule.question)
+                if other is None:
+                    top.complain(
+                        place,
+                        f"{question.key}: ask.if names {rule.question!r}, which does not come "
+                        "before it",
+                        "put that question first, or correct the name",
+                    )
+                elif rule.item not in other.items():
+                    top.complain(place, f"{question.key}: ask.if names an unknown item")
+            seen[question.key] = question
+    tracks = find_tracks(order.sampler)
+    if tracks is not None:
+        kind = next((q.kind for q in questions if q.key == tracks.question), None)
+        if kind != ("choice" if is_pair else "yes_no"):
+            top.complain(
+                "order",
+                f"question {tracks.question!r} cannot lead the tracks",
+                "name a yes_no question, or with pairs a choice",
+            )
 
 
 def check_study(path: Path) -> list[Problem]:
@@ -159,9 +220,12 @@ def _read_texts(
     languages: Sequence[str],
     words: dict[str, str],
     *,
-    versioned: bool = False,
+    notes: dict[str, str] | None = None,
 ) -> dict[str, StudyText]:
-    """Takes a text file per language; a study in one language may name the file alone."""
+    """Takes a text file per language; a study in one language may name the file alone.
+
+    notes: the generated data-protection note per language, for the consent form.
+    """
     files = {languages[0]: top.value.get(key)}
     if len(languages) == 1 and not isinstance(top.value.get(key), dict):
         file = top.text(key)
@@ -173,7 +237,7 @@ def _read_texts(
         if file is None:
             continue
         at = top.source.path.parent / file
-        text, faults = read_text(at, words, versioned=versioned)
+        text, faults = read_text(at, words, note=notes[language] if notes else None)
         for fault in faults:
             top.complain(key, f"{at}: {fault.message}", fault.hint)
         if text is not None:
@@ -181,71 +245,23 @@ def _read_texts(
     return texts
 
 
-def _read_trial(section: Section) -> TrialLayout:
-    def is_fixation(value: Any) -> bool:
-        return (
-            isinstance(value, list)
-            and len(value) == 2
-            and all(is_integer(v) and 0 <= v <= 10_000 for v in value)
-            and value[0] <= value[1]
-        )
+def _read_questions(top: Section, key: str, languages: Sequence[str]) -> list[Question]:
+    required = key == "questions"
 
-    layout = TrialLayout(
-        layout=section.choice("layout", ("single",)),
-        lock=section.choice("lock", ("first_play",), "first_play"),
-        replays=section.integer("replays", 0, 20, 1),
-        fixation_ms=section.take(
-            "fixation_ms", "[low, high], whole ms from 0 to 10000", is_fixation, [500, 1500]
-        ),
-        rest_every=section.integer("rest_every", 0, 1000, 20),
-    )
-    section.finish()
-    return layout
+    def is_list(value: Any) -> bool:
+        return isinstance(value, list) and (len(value) > 0 or not required)
 
-
-def _read_questions(top: Section, languages: Sequence[str]) -> list[Question]:
-    items = top.take(
-        "questions", "a list of questions", lambda v: isinstance(v, list) and len(v) > 0
+    items = (
+        top.take(key, "a list of questions", is_list)
+        if required
+        else top.take(key, "a list of questions", is_list, [])
     )
     questions: list[Question] = []
-    keys: set[str] = set()
     for i, item in enumerate(items or []):
-        section = Section(top.source, item, ("questions", i))
+        section = Section(top.source, item, (key, i))
         kind_name = section.choice("kind", tuple(QUESTION_KINDS))
         if kind_name is None:
             continue  # which keys are allowed depends on the kind
-        question = QUESTION_KINDS[kind_name].read(section, languages)
+        questions.append(QUESTION_KINDS[kind_name].read(section, languages))
         section.finish()
-        if question.key in keys:
-            section.complain("key", f"{question.key!r} is used by two questions", "rename one")
-        keys.add(question.key)
-        questions.append(question)
     return questions
-
-
-def _read_order(section: Section) -> Sampler | None:
-    name = section.choice("sampler", tuple(SAMPLERS))
-    if name is None:
-        return None
-    sampler = SAMPLERS[name].read(section)
-    section.finish()
-    return sampler
-
-
-def _read_exclude(section: Section) -> Exclusion:
-    exclude = Exclusion(
-        missed_catch=section.integer("missed_catch", 1, 1000, None),
-        median_rt_below_ms=section.number("median_rt_below_ms", 0, 60_000, None),
-    )
-    section.finish()
-    return exclude
-
-
-def _read_analysis(section: Section, questions: list[Question]) -> AnalysisPlan:
-    numeric = tuple(q.key for q in questions if q.scale() is not None)
-    plan = AnalysisPlan(
-        primary=section.choice("primary", numeric),
-        equivalence_margin=section.number("equivalence_margin", 0, 1, None),
-    )
-    section.finish()
-    return plan

@@ -27,9 +27,15 @@ class StudyText:
 
 
 def read_text(
-    path: Path, words: dict[str, str], *, versioned: bool
+    path: Path, words: dict[str, str], *, note: str | None = None
 ) -> tuple[StudyText | None, list[Problem]]:
-    """Returns the text and what is wrong with it; a versioned one must say `Version: …`."""
+    """Returns the text and what is wrong with it.
+
+    note: makes it a consent form, which must say `Version: …`; the note goes where the form says
+    {data_note}, else to its end.
+    """
+    if note is not None:
+        words = {**words, "data_note": note}
 
     def fault(message: str, hint: str) -> tuple[None, list[Problem]]:
         return None, [Problem(str(path), message, hint)]
@@ -49,10 +55,12 @@ def read_text(
         known = ", ".join(f"{{{word}}}" for word in words)
         return fault(f"unknown {{{unknown[0]}}}; allowed: {known}", "correct or remove it")
     version = _VERSION.search(text)
-    if versioned and version is None:
+    if note is not None and version is None:
         return fault(
             "has no line `Version: …`", "add e.g. `Version: 1`; change it when the text changes"
         )
+    if note is not None and "{data_note}" not in text:
+        text += "\n{data_note}\n"
     filled = _WORD.sub(lambda match: words[match[1]], text)
     html = MarkdownIt("commonmark", {"html": False}).render(filled)
     digest = hashlib.sha256(filled.encode()).hexdigest()

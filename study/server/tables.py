@@ -61,6 +61,17 @@ def table(name: str, *parts: Any) -> Table:
     return Table(name, metadata, *parts, sqlite_strict=True)
 
 
+PARTICIPANT_STATES = (
+    "enrolled",
+    "consented",
+    "active",
+    "completed",
+    "declined",
+    "withdrawn",
+    "screened_out",
+    "stopped",
+)
+
 study = table(
     "study",
     key("study_id"),
@@ -73,7 +84,10 @@ study = table(
     col("blind_key", TEXT),
     col("state", TEXT),
     col("created_utc", TEXT),
-    one_of("state", "open", "closed"),
+    col("mode", TEXT, server_default="open"),
+    col("withdraw_key", TEXT, server_default=""),  # secret behind the links of withdrawal
+    col("frozen_json", TEXT, null=True),  # what was fixed, of a live study
+    one_of("state", "open", "paused", "closed"),
 )
 
 stimulus = table(
@@ -128,6 +142,7 @@ question = table(
     col("scale_step", NUM, null=True),
     col("prompt_json", TEXT),
     col("meaning_json", TEXT),
+    col("place", TEXT, server_default="trial"),  # trial | session_end
     UniqueConstraint("study_id", "key", "version"),
     zero_or_one("optional"),
 )
@@ -141,9 +156,12 @@ participant = table(
     col("completion_code", TEXT, unique=True),
     col("enrolled_utc", TEXT),
     col("completed_utc", TEXT, null=True),
+    col("cell", TEXT, server_default=""),  # level of the factor that varies between people
+    col("buttons", TEXT, server_default="normal"),  # normal | reversed order of options
+    col("invitation_id", INT, null=True),
     CheckConstraint("length(participant_id) >= 22", name="participant_id"),
     one_of("source", "lab", "link", "prolific", "mturk", "pilot", "simulated"),
-    one_of("state", "enrolled", "consented", "active", "completed", "declined", "withdrawn"),
+    one_of("state", *PARTICIPANT_STATES),
 )
 
 # The only place where an identifier of another platform may live; emptied first.
@@ -152,7 +170,24 @@ participant_link = table(
     key("participant_id", TEXT, parent("participant.participant_id")),
     col("platform", TEXT),
     col("external_id", TEXT),
+    col("external_study", TEXT, null=True),
+    col("external_session", TEXT, null=True),
     UniqueConstraint("platform", "external_id"),
+)
+
+# A link that a researcher hands out; its token is kept as a hash.
+invitation = table(
+    "invitation",
+    key("invitation_id", INT),
+    col("token_sha256", TEXT, unique=True),
+    col("label", TEXT),
+    col("source", TEXT),
+    col("max_uses", INT, null=True),  # empty: any number
+    col("num_uses", INT),
+    col("state", TEXT),
+    col("created_utc", TEXT),
+    one_of("state", "open", "closed"),
+    one_of("source", "lab", "link", "pilot"),
 )
 
 consent = table(
@@ -180,6 +215,7 @@ assignment = table(
 list_slot = table(
     "list_slot",
     key("study_id", TEXT, ForeignKey("study.study_id")),
+    Column("cell", TEXT, primary_key=True, nullable=False, server_default=""),
     key("list_no", INT),
     col(
         "participant_id",
@@ -211,7 +247,32 @@ session = table(
     col("refresh_hz", NUM, null=True),
     col("language", TEXT),
     col("tz_offset_min", INT),
+    col("css_px_per_mm", NUM, null=True),
+    col("viewing_distance_mm", NUM, null=True),
+    col("px_per_degree", NUM, null=True),  # device pixels
     zero_or_one("is_mobile"),
+)
+
+# One row per check of the screen; a refused one may be followed by others.
+screen_check = table(
+    "screen_check",
+    key("check_id", INT),
+    col("session_id", TEXT, parent("session.session_id")),
+    col("verdict", TEXT),
+    col("problems_json", TEXT),
+    col("codec_plays", INT, null=True),
+    col("fullscreen", INT),
+    col("refresh_hz", NUM, null=True),
+    col("css_px_per_mm", NUM, null=True),
+    col("viewing_distance_mm", NUM, null=True),
+    col("px_per_degree", NUM, null=True),
+    col("calibration_skipped", INT),
+    col("viewport_w_px", INT),
+    col("viewport_h_px", INT),
+    col("checked_utc", TEXT),
+    one_of("verdict", "passed", "flagged", "refused"),
+    zero_or_one("fullscreen"),
+    zero_or_one("calibration_skipped"),
 )
 
 trial = table(
@@ -222,10 +283,12 @@ trial = table(
     col("block", INT),
     col("trial_kind", TEXT),
     col("layout", TEXT),
-    col("stimulus_a", INT, ForeignKey("stimulus.stimulus_id")),
+    # Empty while an adaptive track has not chosen the clip yet.
+    col("stimulus_a", INT, ForeignKey("stimulus.stimulus_id"), null=True),
     col("stimulus_b", INT, ForeignKey("stimulus.stimulus_id"), null=True),
     col("expected_json", TEXT, null=True),
     col("answered_utc", TEXT, null=True),
+    col("track", TEXT, null=True),
     UniqueConstraint("participant_id", "trial_index"),
     one_of("trial_kind", "practice", "test", "catch", "repeat"),
 )
@@ -250,8 +313,30 @@ presentation = table(
     col("displayed_h_px", NUM),
     col("completed", INT),
     col("received_utc", TEXT),
+    col("device_pixel_ratio", NUM, null=True),
+    col("scale", INT, null=True),  # device pixels per pixel of the clip
+    col("num_mark_plays", INT, server_default="0"),
+    col("blur_count", INT, server_default="0"),
+    col("fullscreen_exits", INT, server_default="0"),
+    col("start_skew_ms", NUM, null=True),
     zero_or_one("fullscreen"),
     zero_or_one("completed"),
+)
+
+# What the screen did with each clip of a showing, in the order shown.
+presentation_clip = table(
+    "presentation_clip",
+    key("presentation_id", TEXT, parent("presentation.presentation_id")),
+    key("position", INT),
+    col("stimulus_id", INT, ForeignKey("stimulus.stimulus_id")),
+    col("num_plays", INT),
+    col("onset_ms", NUM, null=True),
+    col("first_frame_ms", NUM, null=True),
+    col("ended_ms", NUM, null=True),
+    col("frames_total", INT, null=True),
+    col("frames_dropped", INT, null=True),
+    col("stall_count", INT),
+    col("stall_ms", NUM),
 )
 
 response = table(
@@ -267,8 +352,29 @@ response = table(
     col("first_touch_ms", NUM, null=True),
     col("num_changes", INT),
     col("answered_utc", TEXT),
-    UniqueConstraint("trial_id", "question_id"),
+    col("item", TEXT, server_default=""),  # part of a question with several
+    col("rt_onset_ms", NUM, null=True),
+    col("reversed", INT, server_default="0"),
+    UniqueConstraint("trial_id", "question_id", "item"),
     one_of("rt_origin", "video_onset", "video_end", "form_shown"),
+    CheckConstraint("value IS NOT NULL OR value_text IS NOT NULL", name="value"),
+)
+
+# Answers to the questions at the end of the session.
+session_answer = table(
+    "session_answer",
+    key("answer_id", INT),
+    col("participant_id", TEXT, parent("participant.participant_id")),
+    col("session_id", TEXT, parent("session.session_id")),
+    col("question_id", INT, ForeignKey("question.question_id")),
+    col("item", TEXT),
+    col("value", NUM, null=True),
+    col("value_text", TEXT, null=True),
+    col("rt_ms", NUM),
+    col("num_changes", INT),
+    col("reversed", INT),
+    col("answered_utc", TEXT),
+    UniqueConstraint("participant_id", "question_id", "item"),
     CheckConstraint("value IS NOT NULL OR value_text IS NOT NULL", name="value"),
 )
 
@@ -325,6 +431,25 @@ admin_audit = table(
     col("at_utc", TEXT),
     col("action", TEXT),
     col("detail_json", TEXT),
+    col("actor", TEXT, server_default="command line"),
+)
+
+admin_account = table(
+    "admin_account",
+    key("name"),
+    col("password_hash", TEXT),
+    col("created_utc", TEXT),
+)
+
+# Every difference between what was frozen and what a live study was served with.
+deviation = table(
+    "deviation",
+    key("deviation_id", INT),
+    col("at_utc", TEXT),
+    col("what", TEXT),
+    col("frozen_sha256", TEXT),
+    col("seen_sha256", TEXT),
+    col("outcome", TEXT),  # refused | accepted
 )
 
 # One row that readiness checks overwrite: proof that a write reaches the disk.
@@ -337,3 +462,4 @@ Index("response_by_presentation", response.c.presentation_id)
 Index("comment_by_presentation", comment.c.presentation_id)
 Index("submission_by_session", submission.c.session_id)
 Index("session_by_participant", session.c.participant_id)
+Index("screen_check_by_session", screen_check.c.session_id)

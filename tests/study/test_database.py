@@ -29,7 +29,11 @@ from verisim.study.server.tables import metadata
 
 def table_parts(db: Path) -> dict[str, list[str]]:
     """The words of every definition, sorted: in which order constraints stand means nothing."""
-    return {name: sorted(sql.replace(",", " ").split()) for name, sql in table_sql(db).items()}
+    return {
+        # A table that was written anew carries its name in quotes.
+        name: sorted(sql.replace(",", " ").replace('"', "").split())
+        for name, sql in table_sql(db).items()
+    }
 
 
 def table_sql(db: Path) -> dict[str, str]:

@@ -240,25 +240,28 @@ def test_events_are_stored_once_per_number(server: Server) -> None:
 
 def test_the_order_is_reproduced_from_its_stored_seed(server: Server) -> None:
     from verisim.study.server.enrolment import order_sha256
+    from verisim.study.server.samplers import plan_order
     from verisim.study.server.stimulus_set import load_stimulus_set
     from verisim.study.server.study_file import load_study
 
     people = [Person.arrive(server) for _ in range(3)]
-    sampler = load_study(server.study).order
+    study = load_study(server.study)
     stimuli = load_stimulus_set(server.set_dir).stimuli
     orders = []
     for person in people:
-        seed, digest = server.query(
-            "SELECT seed, order_sha256 FROM assignment WHERE participant_id = ?",
+        seed, digest, list_no = server.query(
+            "SELECT seed, order_sha256, list_no FROM assignment WHERE participant_id = ?",
             person.participant_id,
         )[0]
-        plan = sampler.plan(list(reversed(stimuli)), seed)  # the manifest's order does not matter
+        # The manifest's order does not matter.
+        turned = list(reversed(stimuli))
+        plan = plan_order(study.order, turned, study.trial.layouts, seed, list_no, "")
         shown = server.query(
             "SELECT trial_kind, name FROM trial JOIN stimulus ON stimulus_id = stimulus_a "
             "WHERE participant_id = ? ORDER BY trial_index",
             person.participant_id,
         )
-        assert shown == [(trial.trial_kind, trial.stimulus) for trial in plan]
+        assert shown == [(trial.trial_kind, trial.clips[0]) for trial in plan]
         assert digest == order_sha256(plan)
         orders.append(tuple(shown))
     assert len(set(orders)) == 3

@@ -56,7 +56,7 @@ def test_the_traits_of_each_rater_are_stored_with_the_data(
     rows = query(simulated[0], "SELECT detail_json FROM event WHERE kind = 'observer'")
     traits = [json.loads(str(detail)) for (detail,) in rows]
     assert len(traits) == PARTICIPANTS
-    assert set(traits[0]) == {"bias", "sensitivity", "noise", "lapse"}
+    assert {"bias", "sensitivity", "noise", "lapse", "side_bias", "slope"} <= set(traits[0])
     assert len({trait["bias"] for trait in traits}) == PARTICIPANTS
 
 

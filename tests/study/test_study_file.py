@@ -15,8 +15,8 @@ import verisim.study
 from verisim.study.problems import StudyError
 from verisim.study.server import check_study
 from verisim.study.server.questions import QUESTION_KINDS, Question
-from verisim.study.server.questions.question import Answer
-from verisim.study.server.samplers.random_order import mix, separate
+from verisim.study.server.questions.answer import Answer, Percept
+from verisim.study.server.samplers.units import Unit, mix, separate, single
 from verisim.study.server.stimulus_set import Stimulus, load_stimulus_set
 from verisim.study.server.study_file import load_study
 
@@ -29,7 +29,12 @@ def line_of(text: str, part: str) -> int:
 
 def test_the_studies_of_the_project_are_right() -> None:
     paths = sorted(STUDIES.glob("*.yaml"))
-    assert [path.name for path in paths] == ["seed_questions.yaml"]
+    assert [path.name for path in paths] == [
+        "collision_thresholds.yaml",
+        "realism_ratings.yaml",
+        "seed_questions.yaml",
+        "which_is_real.yaml",
+    ]
     for path in paths:
         assert check_study(path) == []
 
@@ -106,7 +111,7 @@ def test_a_study_in_two_languages_needs_every_text_twice(tmp_path: Path) -> None
 def test_a_consent_text_needs_a_version_and_known_words(tmp_path: Path) -> None:
     path = write_study(tmp_path)
     (tmp_path / "consent.md").write_text("Hello {nobody}\n")
-    assert "unknown {nobody}; allowed: {title}, {contact}" in str(check_study(path)[0])
+    assert "unknown {nobody}; allowed: {title}, {contact}, {data_note}" in str(check_study(path)[0])
     (tmp_path / "consent.md").write_text("Hello\n")
     assert "has no line `Version:" in str(check_study(path)[0])
 
@@ -117,14 +122,28 @@ def all_questions() -> list[Question]:
 
 def test_every_kind_accepts_what_its_scripted_rater_answers() -> None:
     rng = random.Random(1)
-    questions = all_questions()
+    questions = example_questions()
     assert {question.kind for question in questions} == set(QUESTION_KINDS)
     for question in questions:
         for i in range(200):
-            answer = question.simulate(i / 199, rng)
-            if answer != Answer(None, None):
-                assert question.find_fault(answer) is None, (question.key, answer)
-        assert question.meaning("en")
+            quality = i / 199
+            qualities = (quality, rng.random()) if question.kind == "choice" else (quality,)
+            percept = Percept(qualities, (rng.random() < 0.5,), 2000.0)
+            answers = question.simulate(percept, rng)
+            assert question.find_faults(answers) == [], (question.key, answers)
+        for language in question.prompt:
+            assert question.meaning(language) and json.dumps(question.page_fields(language))
+
+
+def example_questions() -> list[Question]:
+    """Every question of the example studies; together they use every kind."""
+    studies = ("realism_ratings", "collision_thresholds", "which_is_real")
+    return [
+        question
+        for name in studies
+        for study in [load_study(STUDIES / f"{name}.yaml")]
+        for question in [*study.questions, *study.end_questions]
+    ] + [q for q in all_questions() if q.kind == "slider"]
 
 
 @pytest.mark.parametrize("value", [0, 8, 3.5, -1, None, 1e9])
@@ -133,9 +152,11 @@ def test_a_rating_takes_only_its_points(value: float | None) -> None:
         assert question.find_fault(Answer(value, None)) is not None
 
 
-def make_clip(name: str, scene: str, role: str = "test") -> Stimulus:
-    return Stimulus(
-        name, scene, role, "seed", 1, "", name, "0" * 64, 1, 1, 1, 30.0, 1, 1.0, "", {}, {}
+def make_clip(name: str, scene: str, role: str = "test") -> Unit:
+    return single(
+        Stimulus(
+            name, scene, role, "seed", 1, "", name, "0" * 64, 1, 1, 1, 30.0, 1, 1.0, "", {}, {}
+        )
     )
 
 
@@ -157,7 +178,7 @@ def test_catch_clips_are_mixed_in_and_never_first() -> None:
     catches = [make_clip(f"c{i}", "s", "catch") for i in range(3)]
     places = set()
     for seed in range(100):
-        roles = [clip.role for clip in mix(tests, catches, random.Random(seed))]
+        roles = [unit.kind for unit in mix(tests, catches, random.Random(seed))]
         assert roles.count("catch") == 3 and roles[0] == "test"
         assert "catch catch" not in " ".join(roles)
         places.add(roles.index("catch"))

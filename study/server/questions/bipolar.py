@@ -8,15 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from verisim.study.server.questions.question import (
-    Answer,
-    Question,
-    Scale,
-    find_point_fault,
-    read_ends,
-    read_prompt,
-)
-from verisim.study.server.yaml_source import Section, is_text
+from verisim.study.server.questions.answer import Answer, Percept, Scale
+from verisim.study.server.questions.question import Question, find_point_fault, read_common
+from verisim.study.server.questions.words import read_pair, read_words
+from verisim.study.server.yaml_source import Section
 
 
 @dataclass(frozen=True)
@@ -32,14 +27,10 @@ class BipolarQuestion(Question):
     @classmethod
     def read(cls, section: Section, languages: Sequence[str]) -> BipolarQuestion:
         return cls(
-            key=section.name("key"),
-            prompt=read_prompt(section, languages),
-            optional=section.flag("optional", False),
+            **read_common(section, languages),
             points=section.choice("points", (3, 5, 7, 9, 11)),
-            ends=read_ends(section, languages),
-            middle=section.localized(
-                "middle", languages, "a text of at most 60 characters", lambda v: is_text(v, 60)
-            ),
+            ends=read_pair(section, "ends", languages, None),
+            middle=read_words(section, "middle", languages, None),
         )
 
     def scale(self) -> Scale:
@@ -59,9 +50,9 @@ class BipolarQuestion(Question):
         middle = self.points // 2 + 1
         return f"1 = {low}, {middle} = {self.middle[language]}, {self.points} = {high}"
 
-    def simulate(self, quality: float, rng: random.Random) -> Answer:
+    def simulate(self, percept: Percept, rng: random.Random) -> dict[str, Answer]:
         # A fault is felt as too little or too much, either as likely; the better the clip, the
         # nearer the middle.
         half = self.points // 2
-        away = round((1 - quality) * half)
-        return Answer(half + 1 + rng.choice((-1, 1)) * away, None)
+        away = round((1 - percept.quality) * half)
+        return {"": Answer(half + 1 + rng.choice((-1, 1)) * away, None)}

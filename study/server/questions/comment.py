@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from verisim.study.server.questions.question import Answer, Question, read_prompt
+from verisim.study.server.questions.answer import Answer, Percept
+from verisim.study.server.questions.question import Question, read_common
 from verisim.study.server.yaml_source import Section
 
 MAX_CHARS = 2000
@@ -21,15 +22,14 @@ class CommentQuestion(Question):
     """Text of at most `max_chars` characters; kept apart, for it may hold personal data."""
 
     kind: ClassVar[str] = "comment"
+    is_free_text: ClassVar[bool] = True
 
     max_chars: int
 
     @classmethod
     def read(cls, section: Section, languages: Sequence[str]) -> CommentQuestion:
         return cls(
-            key=section.name("key"),
-            prompt=read_prompt(section, languages),
-            optional=section.flag("optional", True),
+            **read_common(section, languages, optional=True),
             max_chars=section.integer("max_chars", 1, MAX_CHARS, 200),
         )
 
@@ -52,8 +52,8 @@ class CommentQuestion(Question):
         del language
         return f"free text of at most {self.max_chars} characters"
 
-    def simulate(self, quality: float, rng: random.Random) -> Answer:
+    def simulate(self, percept: Percept, rng: random.Random) -> dict[str, Answer]:
         if self.optional and rng.random() > SIMULATED_SHARE:
-            return Answer(None, None)
-        words = SIMULATED_WORDS[min(3, int(quality * 4))]
-        return Answer(None, f"simulated: {words}"[: self.max_chars])
+            return {}
+        words = SIMULATED_WORDS[min(3, int(percept.quality * 4))]
+        return {"": Answer(None, f"simulated: {words}"[: self.max_chars])}

@@ -5,28 +5,16 @@ from __future__ import annotations
 
 import random
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
-from verisim.study.server.yaml_source import Section, is_text
+from verisim.study.server.questions.answer import Answer, Percept, Scale
+from verisim.study.server.questions.ask import Ask, read_ask
+from verisim.study.server.questions.words import default_words, read_words
+from verisim.study.server.yaml_source import Section
 
 MAX_PROMPT_CHARS = 300
-
-
-class Scale(NamedTuple):
-    """The values a numeric question takes."""
-
-    min: float
-    max: float
-    step: float
-
-
-class Answer(NamedTuple):
-    """What was answered: a number, a text, or neither (skipped)."""
-
-    value: float | None
-    value_text: str | None
 
 
 @dataclass(frozen=True)
@@ -34,23 +22,43 @@ class Question(ABC):
     """A question of a study: `key` names it in the data, `prompt` holds its words per language."""
 
     kind: ClassVar[str]
+    is_free_text: ClassVar[bool] = False  # may hold personal data: kept in a table of its own
+    is_about_clip: ClassVar[bool] = False  # makes no sense at the end of the session
+    has_options: ClassVar[bool] = False  # their order on the screen can be reversed
 
     key: str
     prompt: dict[str, str]
     optional: bool
+    ask: Ask
 
     @classmethod
     @abstractmethod
     def read(cls, section: Section, languages: Sequence[str]) -> Question:
         """Takes this kind's keys from the study file; problems are noted in the source."""
 
+    def items(self) -> tuple[str, ...]:
+        """Returns the names of the parts that are answered one by one; one part has no name."""
+        return ("",)
+
     @abstractmethod
     def scale(self) -> Scale | None:
-        """Returns the range of a numeric answer, None where the answer is text."""
+        """Returns the range of a numeric answer, None where there is none."""
 
     @abstractmethod
     def find_fault(self, answer: Answer) -> str | None:
         """Returns why this answer cannot be stored, None if it can. Skipped ones never get here."""
+
+    def find_faults(self, answers: Mapping[str, Answer]) -> list[str]:
+        """Returns what is wrong with the given answers, by item; skipped ones are left out."""
+        items = self.items()
+        faults = [f"unknown item {item!r}" for item in answers if item not in items]
+        for item in items:
+            if item in answers:
+                if fault := self.find_fault(answers[item]):
+                    faults.append(f"{item}: {fault}" if item else fault)
+            elif not self.optional:
+                faults.append(f"{item}: needs an answer" if item else "needs an answer")
+        return faults
 
     @abstractmethod
     def page_fields(self, language: str) -> dict[str, Any]:
@@ -61,22 +69,25 @@ class Question(ABC):
         """Returns the codebook's sentence on this question's values."""
 
     @abstractmethod
-    def simulate(self, quality: float, rng: random.Random) -> Answer:
-        """Returns a scripted rater's answer; quality: as felt, 0 (plainly wrong) to 1 (right)."""
+    def simulate(self, percept: Percept, rng: random.Random) -> dict[str, Answer]:
+        """Returns a scripted rater's answers by item."""
 
 
-def read_prompt(section: Section, languages: Sequence[str]) -> dict[str, str]:
-    allowed = f"one question text of at most {MAX_PROMPT_CHARS} characters"
-    return section.localized("prompt", languages, allowed, lambda v: is_text(v, MAX_PROMPT_CHARS))
-
-
-def read_ends(section: Section, languages: Sequence[str]) -> dict[str, list[str]]:
-    """Takes the words at the two ends of a scale."""
-
-    def accept(value: Any) -> bool:
-        return isinstance(value, list) and len(value) == 2 and all(is_text(v, 60) for v in value)
-
-    return section.localized("ends", languages, "two texts, [low end, high end]", accept)
+def read_common(
+    section: Section, languages: Sequence[str], *, optional: bool = False, prompt: str | None = None
+) -> dict[str, Any]:
+    """Takes the keys that every kind has; prompt: name of default words."""
+    key = section.name("key")
+    if prompt is not None and not section.has("prompt"):
+        words = default_words(section, "prompt", languages, prompt)
+    else:
+        words = read_words(section, "prompt", languages, None, max_chars=MAX_PROMPT_CHARS)
+    return {
+        "key": key,
+        "prompt": words,
+        "optional": section.flag("optional", optional),
+        "ask": read_ask(section),
+    }
 
 
 def find_point_fault(answer: Answer, points: int) -> str | None:

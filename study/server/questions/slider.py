@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from verisim.study.server.questions.question import Answer, Question, Scale, read_ends, read_prompt
+from verisim.study.server.questions.answer import Answer, Percept, Scale
+from verisim.study.server.questions.question import Question, read_common
+from verisim.study.server.questions.words import read_pair
 from verisim.study.server.yaml_source import Section
 
 SLIDER = Scale(0, 100, 1)
@@ -25,10 +27,8 @@ class SliderQuestion(Question):
     @classmethod
     def read(cls, section: Section, languages: Sequence[str]) -> SliderQuestion:
         return cls(
-            key=section.name("key"),
-            prompt=read_prompt(section, languages),
-            optional=section.flag("optional", False),
-            ends=read_ends(section, languages),
+            **read_common(section, languages),
+            ends=read_pair(section, "ends", languages, None),
         )
 
     def scale(self) -> Scale:
@@ -48,6 +48,6 @@ class SliderQuestion(Question):
         low, high = self.ends[language]
         return f"{SLIDER.min:g} = {low}, {SLIDER.max:g} = {high}"
 
-    def simulate(self, quality: float, rng: random.Random) -> Answer:
+    def simulate(self, percept: Percept, rng: random.Random) -> dict[str, Answer]:
         # A slider is not tied to realism alone: half of the answer is a matter of taste.
-        return Answer(round(100 * (0.5 * quality + 0.5 * rng.random())), None)
+        return {"": Answer(round(100 * (0.5 * percept.quality + 0.5 * rng.random())), None)}

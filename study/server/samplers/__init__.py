@@ -1,9 +1,23 @@
 # SPDX-License-Identifier: MIT
-"""The registry of samplers, which decide who sees which clip when: add a file and name it here."""
+"""Samplers decide who sees which clip when; the registry is in read_order.py."""
 
-from verisim.study.server.samplers.random_order import RandomOrder
-from verisim.study.server.samplers.sampler import PlannedTrial, Sampler, participant_seed
+from verisim.study.server.samplers.blocks import find_tracks
+from verisim.study.server.samplers.plan import Between, Order, PlannedTrial, order_json, plan_order
+from verisim.study.server.samplers.read_order import SAMPLERS, read_order
+from verisim.study.server.samplers.sampler import Pool, Sampler, participant_seed
+from verisim.study.server.samplers.tracks import QuestTracks
 
-SAMPLERS: dict[str, type[Sampler]] = {RandomOrder.name: RandomOrder}
-
-__all__ = ["SAMPLERS", "PlannedTrial", "Sampler", "participant_seed"]
+__all__ = [
+    "SAMPLERS",
+    "Between",
+    "Order",
+    "PlannedTrial",
+    "Pool",
+    "QuestTracks",
+    "Sampler",
+    "find_tracks",
+    "order_json",
+    "participant_seed",
+    "plan_order",
+    "read_order",
+]

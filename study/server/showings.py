@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""Stores what the screen did: one row per showing, one per clip of it, in the order shown."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sqlalchemy import Connection, Row, delete, insert, select, update
+
+from verisim.study.server import tables
+from verisim.study.server.api_error import ApiError
+from verisim.study.server.asked import invalid
+from verisim.study.server.bodies import Presentation
+from verisim.study.server.open_study import OpenStudy
+from verisim.study.server.submissions import Caller
+
+
+def find_trial(connection: Connection, caller: Caller, trial_id: int) -> Row[Any]:
+    """Returns the caller's trial; one that is missing looks like one of somebody else."""
+    trial = connection.execute(
+        select(tables.trial).where(
+            tables.trial.c.trial_id == trial_id,
+            tables.trial.c.participant_id == caller.participant_id,
+        )
+    ).first()
+    if trial is None:
+        raise ApiError(403, "not_yours", "this trial is not yours", "ask GET /api/next")
+    return trial
+
+
+def check_showing(opened: OpenStudy, trial: Row[Any], shown: Presentation) -> None:
+    """Refuses a showing of clips that are not this trial's. In which order they came may differ."""
+    planned = {
+        opened.stimulus_by_id[number].sha256
+        for number in (trial.stimulus_a, trial.stimulus_b)
+        if number is not None
+    }
+    if len({clip.position for clip in shown.clips}) < len(shown.clips):
+        raise invalid("presentation.clips", "two clips have the same position")
+    foreign = [clip.sha256 for clip in shown.clips if clip.sha256 not in planned]
+    if foreign:
+        raise invalid("presentation.clips", f"{foreign[0][:12]}… is no clip of this trial")
+
+
+def store_showing(
+    connection: Connection,
+    opened: OpenStudy,
+    caller: Caller,
+    trial: Row[Any],
+    shown: Presentation,
+    now: str,
+) -> None:
+    """Adds a showing; the final record of one reported as broken off replaces that report."""
+    check_showing(opened, trial, shown)
+    values = {
+        "presentation_id": shown.presentation_id,
+        "trial_id": trial.trial_id,
+        "session_id": caller.session_id,
+        "num_plays": shown.num_plays,
+        "onset_ms": shown.onset_ms,
+        "first_frame_ms": shown.first_frame_ms,
+        "ended_ms": shown.ended_ms,
+        "frames_total": shown.frames_total,
+        "frames_dropped": shown.frames_dropped,
+        "stall_count": shown.stall_count,
+        "stall_ms": shown.stall_ms,
+        "hidden_ms": shown.hidden_ms,
+        "fullscreen": int(shown.fullscreen),
+        "displayed_w_px": shown.displayed_w,
+        "displayed_h_px": shown.displayed_h,
+        "completed": int(shown.completed),
+        "received_utc": now,
+        "device_pixel_ratio": shown.device_pixel_ratio,
+        "scale": shown.scale,
+        "num_mark_plays": shown.num_mark_plays,
+        "blur_count": shown.blur_count,
+        "fullscreen_exits": shown.fullscreen_exits,
+        "start_skew_ms": shown.start_skew_ms,
+    }
+    same = tables.presentation.c.presentation_id == shown.presentation_id
+    known = connection.execute(select(tables.presentation).where(same)).first()
+    if known is None:
+        connection.execute(insert(tables.presentation).values(values))
+    elif (known.session_id, known.trial_id) != (caller.session_id, trial.trial_id):
+        raise ApiError(403, "not_yours", "this presentation_id is in use", "use a new one")
+    elif known.completed:
+        return
+    else:
+        connection.execute(update(tables.presentation).where(same).values(values))
+    own = tables.presentation_clip.c.presentation_id == shown.presentation_id
+    connection.execute(delete(tables.presentation_clip).where(own))
+    by_sha = {s.sha256: opened.stimulus_ids[s.name] for s in opened.stimulus_set.stimuli}
+    for clip in shown.clips:
+        row = clip.model_dump(exclude={"sha256"})
+        row |= {"presentation_id": shown.presentation_id, "stimulus_id": by_sha[clip.sha256]}
+        connection.execute(insert(tables.presentation_clip).values(row))
