@@ -76,7 +76,12 @@ function showRefusal(
   onStartOver: () => void,
 ): Promise<void> {
   return new Promise((resolve) => {
-    const startOver = { label: texts.start_over, onPress: () => void outbox.discard().then(onStartOver) };
+    const discard = async (): Promise<void> => {
+      const [refused] = await outbox.letters();
+      if (refused) await outbox.discard(refused.token);
+      onStartOver();
+    };
+    const startOver = { label: texts.start_over, onPress: () => void discard() };
     let has_copy = false;
     const show = (): void => {
       showMessage(display, texts, {

@@ -31,7 +31,7 @@ export function browserOf(user_agent: string): { browser: string; browser_versio
   return { browser: "other", browser_version: "" };
 }
 
-export async function measureEnvironment(): Promise<Environment> {
+export async function measureEnvironment(num_frames = 40): Promise<Environment> {
   const agent = navigator.userAgent;
   return {
     ...browserOf(agent),
@@ -42,25 +42,25 @@ export async function measureEnvironment(): Promise<Environment> {
     viewport_w: window.innerWidth,
     viewport_h: window.innerHeight,
     device_pixel_ratio: window.devicePixelRatio,
-    refresh_hz: await refreshHz(),
+    refresh_hz: await refreshHz(num_frames),
     language: navigator.language,
     tz_offset_min: -new Date().getTimezoneOffset(), // minutes east of UTC
     app_version: APP_VERSION,
   };
 }
 
-/** Refresh rate of the screen from the median of 40 frame times; null where no frames come (page out of sight). */
-export async function refreshHz(): Promise<number | null> {
+/** Refresh rate of the screen from the median of `num_frames` frame times; null where no frames come (out of sight). */
+export async function refreshHz(num_frames = 40): Promise<number | null> {
   const times: number[] = [];
   const measured = new Promise<void>((resolve) => {
     const tick = (now: number): void => {
       times.push(now);
-      if (times.length > 40) resolve();
+      if (times.length > num_frames) resolve();
       else requestAnimationFrame(tick);
     };
     requestAnimationFrame(tick);
   });
-  await Promise.race([measured, new Promise((resolve) => setTimeout(resolve, 1500))]);
+  await Promise.race([measured, new Promise((resolve) => setTimeout(resolve, 40 * num_frames))]);
   const steps = times.slice(1).map((time, i) => time - (times[i] ?? time));
   steps.sort((a, b) => a - b);
   const median = steps[Math.floor(steps.length / 2)];

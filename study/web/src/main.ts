@@ -3,15 +3,16 @@
 import { initJsPsych } from "jspsych";
 import { request } from "./api";
 import type { Study } from "./contract";
-import { patiently } from "./delivery";
+import { fetchNext, patiently } from "./delivery";
+import { showEnd } from "./end_page";
 import { measureEnvironment } from "./environment";
-import { make } from "./field";
 import { Outbox } from "./outbox";
-import { focusTitle, page, showBar, showMessage, titled } from "./screens";
+import { page, showBar, showMessage } from "./screens";
 import { savedSession, visitFrom } from "./session";
 import { StudyPage } from "./study_page";
-import { type Texts, textsFor } from "./texts";
+import { textsFor } from "./texts";
 import { makeTimeline } from "./timeline";
+import { withdrawByLink } from "./withdraw_page";
 
 const visit = visitFrom(location.href);
 const first_texts = textsFor(visit.lang ?? navigator.language);
@@ -22,12 +23,26 @@ async function start(): Promise<void> {
     showMessage(page(), first_texts, { title: first_texts.browser_title, text: first_texts.browser_lacks[lack] });
     return;
   }
-  const language = visit.lang === null ? "" : `?lang=${encodeURIComponent(visit.lang)}`;
-  const study = await patiently(page(), first_texts, () => request<Study>(`/api/study${language}`));
+  if (visit.is_preview) {
+    showMessage(page(), first_texts, { title: first_texts.preview_title, text: first_texts.preview_text });
+    return;
+  }
+  let study = await patiently(page(), first_texts, () => fetchStudy(visit.lang));
+  const session = savedSession(study.name);
+  if (session && visit.withdrawal === null) {
+    // The visit goes on in the language of its consent.
+    const { language } = await fetchNext(page(), first_texts, session.token).catch(() => ({ language: null }));
+    if (language && language !== study.language) study = await patiently(page(), first_texts, () => fetchStudy(language));
+  }
   const texts = textsFor(study.language);
   showBar(study, texts);
+  if (visit.withdrawal !== null) return withdrawByLink(visit.withdrawal, study, texts);
+  if (study.state !== "open" && !session) {
+    const [title, text] = texts.refusals[`study_${study.state}`] ?? [texts.thanks_title, ""];
+    showMessage(page(), texts, { title, text });
+    return;
+  }
   const outbox = await Outbox.open(study.name);
-  const session = savedSession(study.name);
   const study_page = new StudyPage(study, texts, visit, measureEnvironment(), outbox, session);
 
   page().replaceChildren();
@@ -37,40 +52,11 @@ async function start(): Promise<void> {
     on_trial_start: () => page().removeAttribute("tabindex"), // the page itself is no control
   });
   await jsPsych.run(makeTimeline(study_page));
-  showEnd(study_page, texts);
+  showEnd(study_page);
 }
 
-function showEnd(study_page: StudyPage, texts: Texts): void {
-  const { study, next, visit: here } = study_page;
-  if (next.step === "declined") {
-    const changedMind = { label: texts.changed_mind, onPress: () => study_page.startOver() };
-    showMessage(page(), texts, { title: texts.declined_title, text: texts.declined_text, choices: [changedMind] });
-    return;
-  }
-  const card = make("section", "card message");
-  card.innerHTML = titled(texts.thanks_title, study.thanks_html);
-  if (next.completion_code) card.append(completionCode(next.completion_code, texts));
-  // On a computer of the lab the next participant follows; on their own device everybody takes part once.
-  if (here.source === "lab" || here.source === "pilot") {
-    const again = make("button", "button", texts.next_participant);
-    again.addEventListener("click", () => study_page.startOver());
-    card.append(again);
-  }
-  page().replaceChildren(card);
-  focusTitle(page());
-}
-
-function completionCode(code: string, texts: Texts): HTMLElement {
-  const box = make("div", "code-box");
-  const copy = make("button", "button", texts.copy);
-  copy.type = "button";
-  copy.addEventListener("click", () => {
-    void navigator.clipboard.writeText(code).then(() => {
-      copy.textContent = texts.copied;
-    });
-  });
-  box.append(make("span", "code-label", texts.code_label), make("code", "code", code), copy);
-  return box;
+function fetchStudy(lang: string | null): Promise<Study> {
+  return request<Study>(`/api/study${lang === null ? "" : `?lang=${encodeURIComponent(lang)}`}`);
 }
 
 /** What the browser lacks that no answer can do without. */

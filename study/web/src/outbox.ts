@@ -30,6 +30,7 @@ const STORE = "letters";
 export class Outbox {
   state: OutboxState = { kind: "empty" };
   private readonly listeners = new Set<(state: OutboxState) => void>();
+  private readonly replies = new Map<string, unknown>();
   private is_delivering = false;
   private has_news = false;
 
@@ -50,6 +51,13 @@ export class Outbox {
     writing.objectStore(STORE).add({ ...letter, written_at: new Date().toISOString() });
     await committed(writing);
     this.deliver();
+  }
+
+  /** The server's reply to a letter delivered since the page was loaded; null where there is none. To be asked once. */
+  takeReply(submission_id: string): unknown {
+    const reply = this.replies.get(submission_id) ?? null;
+    this.replies.clear();
+    return reply;
   }
 
   letters(): Promise<StoredLetter[]> {
@@ -76,12 +84,13 @@ export class Outbox {
     });
   }
 
-  /** Deletes everything undelivered. Only for a visit that the server no longer knows. */
-  async discard(): Promise<void> {
+  /** Deletes what one visit could not deliver. Only for a visit that the server no longer knows. */
+  async discard(token: string): Promise<void> {
+    const letters = await this.letters();
     const clearing = this.db.transaction(STORE, "readwrite");
-    clearing.objectStore(STORE).clear();
+    for (const letter of letters) if (letter.token === token) clearing.objectStore(STORE).delete(letter.number);
     await committed(clearing);
-    this.become({ kind: "empty" });
+    if (letters.every((letter) => letter.token === token)) this.become({ kind: "empty" });
   }
 
   private deliver(): void {
@@ -115,7 +124,8 @@ export class Outbox {
       const [letter] = await this.letters();
       if (!letter) return { kind: "empty" };
       try {
-        await request(letter.path, { token: letter.token, body: letter.body });
+        const reply = await request(letter.path, { token: letter.token, body: letter.body });
+        if (letter.path === "/api/trials") this.replies.set(letter.submission_id, reply);
       } catch (cause) {
         const failure = cause as RequestFailed;
         if (failure.passes) {

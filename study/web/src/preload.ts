@@ -15,13 +15,27 @@ export class ClipProblem extends Error {
   }
 }
 
+/** Addresses of the clips' bytes in memory, to be revoked by the caller. Throws ClipProblem; never hangs. */
+export async function loadClips(
+  clips: Clip[],
+  silence_ms: number,
+  fresh: boolean,
+  onProgress: (share: number) => void,
+): Promise<string[]> {
+  const blobs: Blob[] = [];
+  for (const [i, clip] of clips.entries()) {
+    blobs.push(await loadClip(clip, silence_ms, fresh, (share) => onProgress((i + share) / clips.length)));
+  }
+  return blobs.map((blob) => URL.createObjectURL(blob));
+}
+
 /**
  * The clip's bytes, checked for status, size and sha256.
  *
  * silence_ms: gives up after this long without a new byte; a slow line that still delivers is waited for.
  * Throws ClipProblem; never hangs.
  */
-export async function loadClip(
+async function loadClip(
   clip: Clip,
   silence_ms: number,
   fresh: boolean,

@@ -1,146 +1,104 @@
 // SPDX-License-Identifier: MIT
-// The evidence of one showing: when frames came, how many were lost, stalls, and time out of sight.
-import type { PresentationRecord } from "./contract";
-
-type Detail = Record<string, string | number | boolean | null>;
-export type Log = (kind: string, presentation_id: string | null, detail: Detail) => void;
-
-/** The watch over one play. */
-export interface Play {
-  /** play() is called now. */
-  asked(): void;
-  /** The play is over; is_full: it ran from the first to the last frame. */
-  end(is_full: boolean): void;
-}
+// The evidence of one showing of a trial: its clips, and what happened to the page while they were shown.
+import { ClipEvidence, type Log } from "./clip_evidence";
+import type { Clip, Layout, PresentationRecord } from "./contract";
+import type { ShownSize } from "./stage";
 
 export class Presentation {
   readonly id = crypto.randomUUID();
-  private num_plays = 0;
-  private onset_ms: number | null = null;
-  private first_frame_ms: number | null = null;
-  private first_end_ms: number | null = null;
-  private frames_total: number | null = null;
-  private frames_dropped: number | null = null;
-  private stall_count = 0;
-  private stall_ms = 0;
+  readonly clips: ClipEvidence[];
   private hidden_ms = 0;
+  private blur_count = 0;
+  private fullscreen_exits = 0;
   private was_fullscreen = true;
-  private displayed: [number, number] = [0, 0];
+  private displayed: ShownSize = { scale: 0, width_px: 0, height_px: 0 };
 
-  constructor(private readonly log: Log) {}
+  constructor(
+    clips: Clip[],
+    private readonly layout: Layout,
+    private readonly log: Log,
+  ) {
+    this.clips = clips.map((clip, position) => new ClipEvidence(clip, position, this.id, log));
+  }
 
-  /** End of the first full play, the origin of response times (ms on the page's clock). */
+  /** End of the last clip's first full play, the origin of response times (ms on the page's clock). */
   get ended_ms(): number | null {
-    return this.first_end_ms;
+    const ends = this.clips.map(({ ended_ms }) => ended_ms);
+    return ends.includes(null) ? null : Math.max(...(ends as number[]));
   }
 
-  setDisplayed(width_px: number, height_px: number): void {
-    this.displayed = [width_px, height_px];
+  get onset_ms(): number | null {
+    const onsets = this.clips.flatMap(({ onset_ms }) => onset_ms ?? []);
+    return onsets.length ? Math.min(...onsets) : null;
   }
 
-  /** Watches one play of the video, from now until its end() is called. */
-  beginPlay(video: HTMLVideoElement): Play {
-    this.num_plays += 1;
-    const play = this.num_plays;
+  setDisplayed(size: ShownSize): void {
+    this.displayed = size;
+  }
+
+  /** Watches the page while clips are shown, until the returned function is called. */
+  watchPage(): () => void {
     const watch = new AbortController();
     const listen = { signal: watch.signal };
-    let asked_ms = performance.now();
-    let num_callbacks = 0;
-    let has_started = false;
-    let stalled_since: number | null = null;
-    let hidden_since: number | null = document.hidden ? asked_ms : null;
+    let hidden_since: number | null = document.hidden ? performance.now() : null;
     if (!document.fullscreenElement) this.was_fullscreen = false;
-
-    const start = (shown_ms: number, is_frame: boolean): void => {
-      if (has_started) return;
-      has_started = true;
-      if (play > 1) return;
-      this.onset_ms = shown_ms;
-      // The first frame may stand on the screen already when play() is called.
-      this.first_frame_ms = is_frame ? Math.max(0, shown_ms - asked_ms) : null;
-    };
-    const endStall = (): void => {
-      if (stalled_since === null) return;
-      const ms = performance.now() - stalled_since;
-      stalled_since = null;
-      this.stall_ms += ms;
-      this.log("stall", this.id, { play, ms });
-    };
     const endHidden = (): void => {
       if (hidden_since === null) return;
       const ms = performance.now() - hidden_since;
       hidden_since = null;
       this.hidden_ms += ms;
-      this.log("hidden", this.id, { play, ms });
+      this.log("hidden", this.id, { ms });
     };
-
-    if ("requestVideoFrameCallback" in video) {
-      const onFrame = (_now: number, frame: VideoFrameCallbackMetadata): void => {
-        num_callbacks += 1;
-        start(frame.presentationTime, true);
-        if (!watch.signal.aborted) video.requestVideoFrameCallback(onFrame);
-      };
-      video.requestVideoFrameCallback(onFrame);
-    } else {
-      // Browsers without the callback: the event tells the onset to within a frame or two; first_frame_ms stays empty.
-      (video as HTMLVideoElement).addEventListener("playing", () => start(performance.now(), false), listen);
-    }
-    video.addEventListener("playing", endStall, listen);
-    video.addEventListener("waiting", () => {
-      if (!has_started || video.ended || stalled_since !== null) return;
-      this.stall_count += 1;
-      stalled_since = performance.now();
-    }, listen);
     document.addEventListener("visibilitychange", () => {
       if (document.hidden) hidden_since ??= performance.now();
       else endHidden();
     }, listen);
-    document.addEventListener("fullscreenchange", () => {
-      if (!document.fullscreenElement) this.was_fullscreen = false;
+    window.addEventListener("blur", () => {
+      this.blur_count += 1;
+      this.log("blur", this.id, {});
     }, listen);
-
-    const end = (is_full: boolean): void => {
-      const ended_ms = performance.now();
+    document.addEventListener("fullscreenchange", () => {
+      if (document.fullscreenElement) return;
+      this.was_fullscreen = false;
+      this.fullscreen_exits += 1;
+      this.log("fullscreen_left", this.id, {});
+    }, listen);
+    return () => {
       watch.abort();
-      endStall();
       endHidden();
-      if (is_full) this.first_end_ms ??= ended_ms;
-      const after = video.getVideoPlaybackQuality();
-      // The browser counts from the load of the clip; frames decoded ahead of the play belong to it.
-      const total = after.totalVideoFrames - (this.frames_total ?? 0);
-      const dropped = after.droppedVideoFrames - (this.frames_dropped ?? 0);
-      this.frames_total = after.totalVideoFrames;
-      this.frames_dropped = after.droppedVideoFrames;
-      this.log(is_full ? "play_ended" : "play_broken_off", this.id, {
-        play,
-        frames_total: total,
-        frames_dropped: dropped,
-        frame_callbacks: num_callbacks,
-        media_time_s: video.currentTime,
-      });
     };
-    const asked = (): void => {
-      asked_ms = performance.now();
-    };
-    return { asked, end };
   }
 
   record(completed: boolean): PresentationRecord {
+    const clips = this.clips.map((clip) => clip.record());
+    const [first, second] = clips;
+    if (!first) throw new Error("a showing without a clip");
+    const sum = (values: (number | null)[]): number | null =>
+      values.includes(null) ? null : (values as number[]).reduce((a, b) => a + b, 0);
+    const is_pair = this.layout === "side_by_side" && second && second.onset_ms !== null && first.onset_ms !== null;
+    const { scale, width_px, height_px } = this.displayed;
     return {
       presentation_id: this.id,
-      num_plays: this.num_plays,
+      num_plays: Math.max(...clips.map(({ num_plays }) => num_plays)),
       onset_ms: this.onset_ms,
-      first_frame_ms: this.first_frame_ms,
-      ended_ms: this.first_end_ms,
-      frames_total: this.frames_total,
-      frames_dropped: this.frames_dropped,
-      stall_count: this.stall_count,
-      stall_ms: this.stall_ms,
+      first_frame_ms: first.first_frame_ms,
+      ended_ms: this.ended_ms,
+      frames_total: sum(clips.map(({ frames_total }) => frames_total)),
+      frames_dropped: sum(clips.map(({ frames_dropped }) => frames_dropped)),
+      stall_count: clips.reduce((count, { stall_count }) => count + stall_count, 0),
+      stall_ms: clips.reduce((ms, { stall_ms }) => ms + stall_ms, 0),
       hidden_ms: this.hidden_ms,
-      fullscreen: this.num_plays > 0 && this.was_fullscreen,
-      displayed_w: this.displayed[0],
-      displayed_h: this.displayed[1],
+      blur_count: this.blur_count,
+      fullscreen: first.num_plays > 0 && this.was_fullscreen,
+      fullscreen_exits: this.fullscreen_exits,
+      displayed_w: width_px,
+      displayed_h: height_px,
+      device_pixel_ratio: window.devicePixelRatio,
+      scale: Number.isInteger(scale) && scale > 0 ? scale : null,
+      num_mark_plays: Math.max(...this.clips.map(({ num_mark_plays }) => num_mark_plays)),
+      start_skew_ms: is_pair ? (second.onset_ms as number) - (first.onset_ms as number) : null,
       completed,
+      clips,
     };
   }
 }

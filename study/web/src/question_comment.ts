@@ -1,26 +1,23 @@
 // SPDX-License-Identifier: MIT
 // Short free text with a limit and a counter.
-import { type Answer, type MakeField, make } from "./field";
+import { type MakeField, frame, make } from "./field";
 
 // Control characters and halves of a pair, which only pasting brings, and which no table can hold.
 const UNWANTED = /(?![\n\t])\p{Cc}|\p{Surrogate}/gu;
 
-export const makeComment: MakeField = (question, { texts, timing, onChange }) => {
+export const makeComment: MakeField = (question, { texts, newTiming, onChange }) => {
+  const timing = newTiming();
   const max_chars = question.max_chars ?? 500;
-  const element = make("div", "question comment");
-  const side = make("div", "answer");
-  const label = make("label", "prompt", question.prompt);
+  const { element, prompt, side } = frame(question, texts);
   const area = make("textarea");
   area.id = `answer-${question.key}`;
   area.rows = 2;
   area.maxLength = max_chars;
-  label.htmlFor = area.id;
-  if (question.optional) label.append(" ", make("span", "optional", texts.optional));
+  area.setAttribute("aria-labelledby", prompt.id);
   const counter = make("p", "counter");
   counter.id = `counter-${question.key}`;
   area.setAttribute("aria-describedby", counter.id);
   side.append(area, counter);
-  element.append(label, side);
 
   const count = (): void => {
     counter.textContent = texts.charsLeft(max_chars - area.value.length);
@@ -38,15 +35,13 @@ export const makeComment: MakeField = (question, { texts, timing, onChange }) =>
   });
   count();
 
+  const text = (): string => area.value.replace(UNWANTED, "").trim();
   return {
     question,
     element,
-    timing,
-    answer(): Answer | null {
-      const text = area.value.replace(UNWANTED, "").trim();
-      return text ? { value: null, value_text: text } : null;
-    },
+    answers: () => (text() ? [{ item: "", value: null, value_text: text(), timing }] : []),
+    isAnswered: () => text() !== "",
     focus: () => area.focus(),
-    takeDigit: () => false,
+    takeDigit: () => null,
   };
 };

@@ -1,14 +1,31 @@
 // SPDX-License-Identifier: MIT
-// The questions of one trial on one page: keys, missing answers, watching again, and the answers as records.
-import type { Question, ResponseRecord } from "./contract";
+// Questions on one page: keys, questions that depend on others, missing answers, and the answers as records.
+import { holds } from "./condition";
+import type { Condition, Layout, Question, QuestionKind, ResponseRecord } from "./contract";
 import { AnswerTiming, type Field, make } from "./field";
 import { MAKE_FIELD } from "./questions";
 import type { Texts } from "./texts";
 
-export interface FormEvents {
+export interface FormSettings {
+  texts: Texts;
+  title: string;
+  questions: Question[];
+  conditions: Record<string, Condition>;
+  /** Keys of questions whose options are drawn from last to first. */
+  reversed: string[];
+  layout: Layout;
+  /** Milliseconds since the origin of response times. */
+  sinceOrigin: () => number;
+  rt_origin: ResponseRecord["rt_origin"];
+  /** From the clip's onset to that origin; null where there was no clip. */
+  onset_to_origin_ms: number | null;
+  watchForMark?: (num: number) => Promise<number | null>;
   onSubmit: (responses: ResponseRecord[]) => void;
-  onWatchAgain: () => void;
+  onWatchAgain?: () => void;
 }
+
+/** Kinds that number keys do not answer in one stroke. */
+const NO_DIGITS: QuestionKind[] = ["slider", "comment", "mark"];
 
 export class QuestionForm {
   readonly element = make("form", "card questions");
@@ -18,35 +35,29 @@ export class QuestionForm {
   private readonly again = make("button", "button");
   private readonly submit = make("button", "button primary");
   private readonly status = make("p", "status");
+  private readonly texts: Texts;
   private is_sent = false;
 
-  constructor(
-    questions: Question[],
-    private readonly texts: Texts,
-    sinceClipEnd: () => number,
-    private readonly events: FormEvents,
-  ) {
-    this.heading = make("h1", "visually-hidden", texts.questions_title);
+  constructor(private readonly settings: FormSettings) {
+    const { texts, questions } = settings;
+    this.texts = texts;
+    this.heading = make("h1", "visually-hidden", settings.title);
     this.heading.tabIndex = -1;
     this.element.noValidate = true;
     this.element.append(this.heading);
     // Many questions stand beside their answers, so that all fit on one screen.
     this.element.classList.toggle("is-long", questions.length > 2);
-    this.fields = questions.map((question) => {
-      const field = MAKE_FIELD[question.kind](question, {
-        texts,
-        timing: new AnswerTiming(sinceClipEnd),
-        onChange: () => this.warn(field, false),
-      });
-      this.addField(field);
-      return field;
-    });
+    this.fields = questions.map((question) => this.addField(question));
+    this.showWhatIsAsked();
     this.again.type = "button";
-    this.again.addEventListener("click", events.onWatchAgain);
+    this.again.hidden = true;
+    this.again.addEventListener("click", () => settings.onWatchAgain?.());
     this.submit.textContent = texts.next;
     this.status.setAttribute("role", "status");
     const row = make("div", "buttons");
-    if (this.fields.some((field) => field.question.points)) row.append(make("p", "keys-hint", texts.keysHint));
+    if (this.fields.some(({ question }) => !NO_DIGITS.includes(question.kind))) {
+      row.append(make("p", "keys-hint", texts.keysHint));
+    }
     row.append(this.again, this.submit);
     this.element.append(row, this.status);
     this.element.addEventListener("submit", (event) => {
@@ -70,24 +81,57 @@ export class QuestionForm {
     this.heading.focus({ preventScroll: true });
   }
 
-  showSaving(is_saving: boolean): void {
-    this.is_sent = is_saving;
-    this.element.classList.toggle("is-saving", is_saving);
-    this.status.textContent = is_saving ? this.texts.saving : "";
-  }
-
   showProblem(text: string): void {
     this.showSaving(false);
     this.status.textContent = text;
   }
 
-  private addField(field: Field): void {
-    const warning = make("p", "missing", this.texts.missing);
+  private showSaving(is_saving: boolean): void {
+    this.is_sent = is_saving;
+    this.element.classList.toggle("is-saving", is_saving);
+    this.status.textContent = is_saving ? this.texts.saving : "";
+  }
+
+  private addField(question: Question): Field {
+    const { texts, layout, reversed, sinceOrigin } = this.settings;
+    const field = MAKE_FIELD[question.kind](question, {
+      texts,
+      layout,
+      is_reversed: reversed.includes(question.key),
+      newTiming: () => new AnswerTiming(sinceOrigin),
+      watchForMark: this.settings.watchForMark ?? (() => Promise.resolve(null)),
+      onChange: () => {
+        this.warn(field, false);
+        this.showWhatIsAsked();
+      },
+    });
+    const warning = make("p", "missing", texts.missing);
     warning.hidden = true;
     warning.setAttribute("role", "alert");
     this.warnings.set(field, warning);
     field.element.lastElementChild?.append(warning);
-    this.element.append(field.element);
+    const place = make("div", "question-place");
+    if (question.key in this.settings.conditions) place.setAttribute("aria-live", "polite");
+    place.append(field.element);
+    this.element.append(place);
+    return field;
+  }
+
+  /** Questions that are asked as things stand, in order. A question can depend on one that is itself not asked. */
+  private asked(): Field[] {
+    const asked: Field[] = [];
+    for (const field of this.fields) {
+      const condition = this.settings.conditions[field.question.key];
+      const decider = condition && asked.find(({ question }) => question.key === condition.question);
+      if (!condition || (decider && holds(condition, decider.answers()))) asked.push(field);
+    }
+    return asked;
+  }
+
+  private showWhatIsAsked(): void {
+    if (!this.fields) return; // while the fields are being made
+    const asked = this.asked();
+    for (const field of this.fields) field.element.hidden = !asked.includes(field);
   }
 
   private warn(field: Field, is_missing: boolean): void {
@@ -98,41 +142,46 @@ export class QuestionForm {
 
   private send(): void {
     if (this.is_sent) return;
-    const missing = this.fields.filter((field) => !field.question.optional && field.answer() === null);
+    const missing = this.asked().filter((field) => !field.question.optional && !field.isAnswered());
     for (const field of this.fields) this.warn(field, missing.includes(field));
     if (missing[0]) {
       missing[0].focus();
       return;
     }
     this.showSaving(true);
-    this.events.onSubmit(this.responses());
+    this.settings.onSubmit(this.responses());
   }
 
   private responses(): ResponseRecord[] {
-    return this.fields.flatMap((field) => {
-      const answer = field.answer();
-      if (!answer) return []; // skipped
-      return [{
-        question: field.question.key,
-        ...answer,
-        rt_ms: field.timing.rt_ms ?? 0,
-        rt_origin: "video_end" as const,
-        first_touch_ms: field.timing.first_touch_ms,
-        num_changes: field.timing.num_changes,
-      }];
-    });
+    const { rt_origin, onset_to_origin_ms, reversed } = this.settings;
+    return this.asked().flatMap(({ question, answers }) =>
+      answers().map(({ item, value, value_text, timing }) => ({
+        question: question.key,
+        item,
+        value,
+        value_text,
+        rt_ms: timing.rt_ms ?? 0,
+        rt_onset_ms: onset_to_origin_ms === null ? null : (timing.rt_ms ?? 0) + onset_to_origin_ms,
+        rt_origin,
+        first_touch_ms: timing.first_touch_ms,
+        num_changes: timing.num_changes,
+        reversed: reversed.includes(question.key),
+      })),
+    );
   }
 
   /** A digit answers the question that has the focus, otherwise the first one without an answer, and moves on. */
   private onKey(event: KeyboardEvent): void {
-    if (!/^[0-9]$/.test(event.key) || event.ctrlKey || event.metaKey || event.altKey || this.is_sent) return;
-    const focused = this.fields.find((field) => field.element.contains(event.target as Node));
-    const open = this.fields.find((field) => field.question.points && field.answer() === null);
-    const field = focused ?? open;
-    if (!field?.takeDigit(Number(event.key))) return;
+    if (!/^[0-9]$/.test(event.key) || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (this.is_sent || this.element.inert || document.querySelector("dialog[open]")) return;
+    const asked = this.asked();
+    const focused = asked.find((field) => field.element.contains(event.target as Node));
+    const open = asked.find((field) => !field.isAnswered() && !NO_DIGITS.includes(field.question.kind));
+    const taken = (focused ?? open)?.takeDigit(Number(event.key));
+    if (!taken) return;
     event.preventDefault();
-    if (field.question.kind === "slider") return; // a digit is only a first step there
-    const next = this.fields.find((other) => !other.question.optional && other.answer() === null);
+    if (taken === "more") return;
+    const next = this.asked().find((field) => !field.question.optional && !field.isAnswered());
     if (next) next.focus();
     else this.submit.focus();
     (next?.element ?? this.submit).scrollIntoView({ block: "nearest" });

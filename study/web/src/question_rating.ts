@@ -1,64 +1,66 @@
 // SPDX-License-Identifier: MIT
 // Rating on n points with labelled ends: one radio group; the number keys answer it.
 import type { Question } from "./contract";
-import { type Answer, type Field, type FieldContext, type MakeField, endLabels, make } from "./field";
+import { type Field, type MakeField, endLabels, frame, make } from "./field";
+import { radioGroup } from "./radio_group";
 
-export const makeRating: MakeField = (question, context) => makePoints(question, context, null);
-
-/** A row of radio buttons 1..points; `middle` names the middle one. */
-export function makePoints(
-  question: Question,
-  { texts, timing, onChange }: FieldContext,
-  middle: string | null,
-): Field {
+/** A row of points 1..n between two named ends; the middle, or every point, may have a name as well. */
+export const makeRating: MakeField = (question, context) => {
   const points = question.points ?? 7;
   const [low, high] = question.ends ?? ["", ""];
-  const element = make("div", `question ${question.kind}`);
-  const prompt = make("p", "prompt", question.prompt);
-  prompt.id = `prompt-${question.key}`;
-  const side = make("div", "answer");
+  const names = pointNames(question, points);
+  const { element, prompt, side } = frame(question, context.texts);
   const row = make("div", "points");
   row.style.setProperty("--points", String(points));
-  const inputs: HTMLInputElement[] = [];
-  for (let point = 1; point <= points; point += 1) {
-    const end = point === 1 ? low : point === points ? high : "";
-    const name = 2 * point === points + 1 && middle ? middle : end;
-    const input = make("input");
-    input.type = "radio";
-    input.name = `answer-${question.key}`;
-    input.value = String(point);
-    input.setAttribute("aria-label", texts.pointName(point, points, name));
-    input.addEventListener("change", () => {
-      timing.answered();
-      onChange();
-    });
-    const label = make("label", "point");
-    label.append(input, make("span", "point-number", String(point)));
-    inputs.push(input);
-    row.append(label);
-  }
-  row.addEventListener("pointerdown", () => timing.touched());
-  row.setAttribute("role", "radiogroup");
-  row.setAttribute("aria-labelledby", prompt.id);
-  side.append(row, endLabels(low, middle, high));
-  element.append(prompt, side);
+  const choices = names.map((name, i) => ({
+    value: i + 1,
+    value_text: null,
+    name: context.texts.pointName(i + 1, points, name),
+    face: String(i + 1),
+  }));
+  const group = radioGroup(row, `answer-${question.key}`, prompt.id, "", choices, context);
+  row.append(...group.labels);
+  const middle = points % 2 ? (names[(points - 1) / 2] ?? "") : "";
+  const named = names.filter(Boolean).length;
+  side.append(row, named > (middle ? 3 : 2) ? everyLabel(names) : endLabels(low, middle || null, high));
+  return groupField(question, element, group, points);
+};
 
-
-  const chosen = (): HTMLInputElement | undefined => inputs.find((input) => input.checked);
+/** A field whose answer is one choice of one group. */
+export function groupField(
+  question: Question,
+  element: HTMLElement,
+  group: ReturnType<typeof radioGroup>,
+  num_choices: number,
+): Field {
   return {
     question,
     element,
-    timing,
-    answer(): Answer | null {
-      const input = chosen();
-      return input ? { value: Number(input.value), value_text: null } : null;
-    },
-    focus: () => (chosen() ?? inputs[0])?.focus(),
+    answers: () => [group.answer() ?? []].flat(),
+    isAnswered: () => group.answer() !== null,
+    focus: () => group.focus(),
     takeDigit(digit) {
-      const input = inputs[digit - 1];
-      if (!input || points > 9) return false; // with ten points and more a digit is ambiguous
-      if (!input.checked) input.click();
-      return true;
+      if (digit < 1 || digit > num_choices || num_choices > 9) return null; // from ten on a digit is ambiguous
+      group.choose(digit - 1);
+      return "done";
     },
   };
 }
+
+/** The name of each point, empty where it has none. */
+function pointNames({ ends, labels }: Question, points: number): string[] {
+  const names = Array.from({ length: points }, (_, i) => labels?.[i] ?? "");
+  names[0] ||= ends?.[0] ?? "";
+  names[points - 1] ||= ends?.[1] ?? "";
+  return names;
+}
+
+/** A name under every point. */
+function everyLabel(names: string[]): HTMLElement {
+  const row = make("div", "ends every");
+  row.style.setProperty("--points", String(names.length));
+  row.setAttribute("aria-hidden", "true");
+  row.append(...names.map((name) => make("span", "", name)));
+  return row;
+}
+

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Slider without a thumb until the first click or key, so that no start value suggests an answer.
-import { type Answer, type MakeField, endLabels, make } from "./field";
+import { type MakeField, endLabels, frame, make } from "./field";
 
-export const makeSlider: MakeField = (question, { texts, timing, onChange }) => {
+export const makeSlider: MakeField = (question, { texts, newTiming, onChange }) => {
+  const timing = newTiming();
   const min = question.min ?? 0;
   const max = question.max ?? 100;
   const step = question.step ?? 1;
   const [low, high] = question.ends ?? ["", ""];
   let value: number | null = null;
 
-  const element = make("div", "question slider");
-  const prompt = make("p", "prompt", question.prompt);
-  prompt.id = `prompt-${question.key}`;
+  const { element, prompt, side } = frame(question, texts);
   const track = make("div", "track");
   const line = make("span", "track-line");
   const thumb = make("span", "thumb");
@@ -23,9 +22,7 @@ export const makeSlider: MakeField = (question, { texts, timing, onChange }) => 
   track.setAttribute("aria-labelledby", prompt.id);
   track.setAttribute("aria-valuemin", String(min));
   track.setAttribute("aria-valuemax", String(max));
-  const side = make("div", "answer");
   side.append(track, endLabels(low, null, high));
-  element.append(prompt, side);
 
   const middle = snap((min + max) / 2);
   const show = (): void => {
@@ -104,15 +101,15 @@ export const makeSlider: MakeField = (question, { texts, timing, onChange }) => 
   return {
     question,
     element,
-    timing,
-    answer: (): Answer | null => (value === null ? null : { value, value_text: null }),
+    answers: () => (value === null ? [] : [{ item: "", value, value_text: null, timing }]),
+    isAnswered: () => value !== null,
     focus: () => track.focus(),
     // 0 to 9 jump to tenths of the scale; only while the slider has the focus, see question_form.ts.
     takeDigit(digit) {
       const before = value;
       move(min + (digit / 10) * (max - min));
       if (value !== before) settle();
-      return true;
+      return "more"; // a digit is only a first step
     },
   };
 };

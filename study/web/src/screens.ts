@@ -28,7 +28,8 @@ export function showMessage(parent: HTMLElement, texts: Texts, message: Message)
     card.setAttribute("role", "status");
     card.append(make("div", "busy"));
   }
-  card.append(title, make("p", "", message.text));
+  card.append(title);
+  if (message.text) card.append(make("p", "", message.text));
   if (message.detail) {
     const details = make("details");
     details.append(make("summary", "", texts.details), make("code", "", message.detail));
@@ -47,6 +48,19 @@ export function showMessage(parent: HTMLElement, texts: Texts, message: Message)
   parent.replaceChildren(card);
   focusTitle(parent);
   return card;
+}
+
+/** Shows a title and a text with one button for each label; resolves to the number of the button pressed. */
+export function choose(
+  parent: HTMLElement,
+  texts: Texts,
+  words: { title: string; text: string; detail?: string },
+  labels: string[],
+): Promise<number> {
+  return new Promise((resolve) => {
+    const choices = labels.map((label, i) => ({ label, is_primary: i === 0, onPress: () => resolve(i) }));
+    showMessage(parent, texts, { ...words, choices });
+  });
 }
 
 /** The study's own HTML, under `title` where it brings none. */
@@ -96,6 +110,17 @@ export function showBar(study: Study, texts: Texts): void {
   });
   document.addEventListener("fullscreenchange", label);
   label();
+}
+
+/** Offers, in the corner of the bar, to end the participation; `signal` takes the offer back. */
+export function offerStop(texts: Texts, onStop: () => void, signal: AbortSignal): void {
+  const button = part<HTMLButtonElement>("bar-stop");
+  button.textContent = texts.stop_here;
+  button.hidden = false;
+  button.addEventListener("click", onStop, { signal });
+  signal.addEventListener("abort", () => {
+    button.hidden = true;
+  });
 }
 
 export function showProgress(done: number, total: number, texts: Texts): void {

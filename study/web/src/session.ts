@@ -12,18 +12,65 @@ export interface Session {
   session_id: string;
 }
 
-/** What the address of the page says: ?source=lab&simulate_key=…&lang=de. */
+/** Who a recruitment platform says the participant is. */
+interface External {
+  platform: "prolific" | "mturk" | "other";
+  participant: string;
+  study: string | null;
+  session: string | null;
+}
+
+/** What the address of the page says: ?source=lab&lang=de, ?link=…, or what a recruitment platform adds. */
 export interface Visit {
   /** null: the server's own default. */
   source: Source | null;
   simulate_key: string | null;
   lang: string | null;
+  link: string | null;
+  external: External | null;
+  /** A worker looks at the task without having accepted it: nobody is enrolled. */
+  is_preview: boolean;
+  /** The secret of a link that deletes the answers of a visit. */
+  withdrawal: string | null;
 }
 
+const ADDRESS_KEY = "verisim address";
+
 export function visitFrom(address: string): Visit {
-  const asked = new URL(address).searchParams;
+  const { searchParams: asked, hash } = new URL(address);
   const source = SOURCES.find((known) => known === asked.get("source")) ?? null;
-  return { source, simulate_key: asked.get("simulate_key"), lang: asked.get("lang") };
+  return {
+    source,
+    simulate_key: asked.get("simulate_key"),
+    lang: asked.get("lang"),
+    link: asked.get("link"),
+    external: externalFrom(asked),
+    is_preview: asked.get("assignmentId") === "ASSIGNMENT_ID_NOT_AVAILABLE",
+    withdrawal: new URLSearchParams(hash.slice(1)).get("withdraw"),
+  };
+}
+
+function externalFrom(asked: URLSearchParams): External | null {
+  const named = (platform: External["platform"], participant: string, study: string, session: string) => {
+    const name = asked.get(participant);
+    return name ? { platform, participant: name, study: asked.get(study), session: asked.get(session) } : null;
+  };
+  return (
+    named("prolific", "PROLIFIC_PID", "STUDY_ID", "SESSION_ID") ??
+    named("mturk", "workerId", "hitId", "assignmentId") ??
+    named("other", "participant", "study", "session")
+  );
+}
+
+/** Takes links and outside names out of the address, where they would be seen and copied; only the language stays. */
+export function cleanAddress(lang: string | null): void {
+  sessionStorage.setItem(ADDRESS_KEY, location.search);
+  history.replaceState(null, "", lang === null ? "/" : `/?lang=${encodeURIComponent(lang)}`);
+}
+
+/** The address by which this tab came, for a new start. */
+export function firstAddress(): string {
+  return `/${sessionStorage.getItem(ADDRESS_KEY) ?? location.search}`;
 }
 
 const keyOf = (study_name: string): string => `verisim session ${study_name}`;
@@ -54,13 +101,14 @@ export async function openSession(
   environment: Environment,
   submission_id: string,
 ): Promise<Session> {
-  const body = { source: visit.source, simulate_key: visit.simulate_key, environment };
+  const { source, simulate_key, link, external } = visit;
+  const body = { source, simulate_key, link, external, environment };
   let session: Session;
   try {
     session = await request<Session>("/api/sessions", { body: { submission_id, ...body } });
   } catch (cause) {
     // The server has this enrolment but its answer, and with it the token, got lost on the way: enrol afresh.
-    if (!(cause instanceof RequestFailed && cause.status === 409)) throw cause;
+    if (!(cause instanceof RequestFailed && cause.code === "duplicate_session")) throw cause;
     session = await request<Session>("/api/sessions", { body: { submission_id: crypto.randomUUID(), ...body } });
   }
   const { token, participant_id, session_id } = session;

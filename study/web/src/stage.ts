@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The grey field that covers the whole window while a clip is shown: fixation cross, the clip at its true pixels, grey.
-import type { Clip } from "./contract";
+// The grey field that covers the whole window while clips are shown: fixation cross, clips at their true pixels, grey.
+import type { Clip, Layout } from "./contract";
 import { make } from "./field";
 
 export interface ShownSize {
@@ -9,9 +9,11 @@ export interface ShownSize {
   height_px: number;
 }
 
+const PAIR_GAP_CSS_PX = 32; // grey between two clips side by side, less where their own pixels need the room
+
 /**
- * Size at which a clip is shown: the largest whole multiple of its own pixels that fits the window, so that no pixel is
- * interpolated unevenly; a clip larger than the window is scaled down until it fits.
+ * Size at which a clip is shown: the largest whole multiple of its own pixels that fits the room, so that no pixel is
+ * interpolated unevenly; a clip larger than the room is scaled down until it fits.
  * All lengths in device pixels.
  */
 export function fitClip(clip_w: number, clip_h: number, room_w: number, room_h: number): ShownSize {
@@ -23,25 +25,27 @@ export function fitClip(clip_w: number, clip_h: number, room_w: number, room_h: 
 export class Stage {
   private readonly element = make("div", "stage");
   private readonly cross = make("div", "cross");
+  private readonly caption = make("p", "stage-caption");
   private readonly loading = make("div", "loading");
-  private clip: Clip | null = null;
+  private room_below = 0; // CSS pixels
   private readonly onResize = (): void => this.place();
 
   constructor(
-    private readonly video: HTMLVideoElement,
+    private readonly videos: HTMLVideoElement[],
+    private readonly clips: Clip[],
+    private readonly layout: Layout,
     private readonly onPlaced: (size: ShownSize) => void,
     texts: { loading_clip: string; clip_shown: string },
   ) {
-    this.video.setAttribute("aria-label", texts.clip_shown);
+    for (const video of videos) video.setAttribute("aria-label", texts.clip_shown);
     this.loading.setAttribute("role", "progressbar");
     this.loading.setAttribute("aria-label", texts.loading_clip);
     this.loading.append(make("span", "", texts.loading_clip), make("i"));
-    this.element.append(this.cross, this.loading, video);
+    this.element.append(this.cross, this.caption, this.loading, ...videos);
     this.showGrey();
   }
 
-  open(parent: HTMLElement, clip: Clip): void {
-    this.clip = clip;
+  open(parent: HTMLElement): void {
     parent.append(this.element);
     document.documentElement.classList.add("has-stage");
     window.addEventListener("resize", this.onResize);
@@ -55,54 +59,79 @@ export class Stage {
   }
 
   showGrey(): void {
-    this.show(null);
+    this.show([]);
   }
 
-  showCross(): void {
-    this.show(this.cross);
+  /** words: which clip of a pair comes next, under the cross. */
+  showCross(words = ""): void {
+    this.caption.textContent = words;
+    this.show([this.cross, this.caption]);
   }
 
-  showVideo(): void {
-    this.show(this.video);
+  showVideos(videos: HTMLVideoElement[]): void {
+    this.show(videos);
   }
 
-  /** share: of the clip's bytes, 0 to 1. Becomes visible after a moment only, see app.css. */
+  /** share: of the clips' bytes, 0 to 1. Becomes visible after a moment only, see app.css. */
   showLoading(share: number): void {
-    this.show(this.loading);
+    this.show([this.loading]);
     this.loading.setAttribute("aria-valuenow", String(Math.round(100 * share)));
     this.loading.style.setProperty("--share", `${100 * share}%`);
   }
 
-  private show(part: HTMLElement | null): void {
-    for (const other of [this.cross, this.loading, this.video]) {
-      other.style.visibility = other === part ? "visible" : "hidden";
+  private show(parts: HTMLElement[]): void {
+    for (const other of [this.cross, this.caption, this.loading, ...this.videos]) {
+      other.style.visibility = parts.includes(other) ? "visible" : "hidden";
     }
+  }
+
+  /** Keeps room for controls under the clip; the clip may get smaller for that, which is no showing to be recorded. */
+  leaveRoomBelow(css_px: number): void {
+    this.room_below = css_px;
+    this.place();
+  }
+
+  /** Puts controls over the lower edge of the field, until the returned function is called. */
+  addControls(controls: HTMLElement): () => void {
+    this.element.append(controls);
+    this.element.classList.add("has-controls");
+    return () => {
+      controls.remove();
+      this.element.classList.remove("has-controls");
+    };
   }
 
   /** Puts a button in the middle and resolves when it is pressed. */
   async askToStart(text: string): Promise<void> {
-    const button = document.createElement("button");
+    const button = make("button", "button primary stage-button", text);
     button.type = "button";
-    button.className = "button primary stage-button";
-    button.textContent = text;
-    this.element.append(button);
+    const remove = this.addControls(button);
     button.focus();
     await new Promise((resolve) => button.addEventListener("click", resolve, { once: true }));
-    button.remove();
+    remove();
   }
 
-  /** Sizes and centres the clip for the window as it is now. */
+  /** Sizes and centres the clips for the window as it is now; a pair side by side shares one scale. */
   place(): void {
-    if (!this.clip) return;
+    const [first] = this.clips;
+    if (!first) return;
     const ratio = window.devicePixelRatio;
     const room_w = Math.floor(window.innerWidth * ratio);
-    const room_h = Math.floor(window.innerHeight * ratio);
-    const size = fitClip(this.clip.width_px, this.clip.height_px, room_w, room_h);
-    const { style } = this.video;
-    style.width = `${size.width_px / ratio}px`;
-    style.height = `${size.height_px / ratio}px`;
-    style.left = `${Math.floor((room_w - size.width_px) / 2) / ratio}px`; // on whole device pixels
-    style.top = `${Math.floor((room_h - size.height_px) / 2) / ratio}px`;
-    this.onPlaced(size);
+    const room_h = Math.floor((window.innerHeight - this.room_below) * ratio);
+    const is_pair = this.layout === "side_by_side";
+    const usual_gap = is_pair ? Math.round(PAIR_GAP_CSS_PX * ratio) : 0;
+    const fit = (gap: number): ShownSize =>
+      fitClip(first.width_px, first.height_px, is_pair ? Math.floor((room_w - gap) / 2) : room_w, room_h);
+    const whole = fit(0).scale >= 1;
+    const size = fit(whole ? 0 : usual_gap);
+    const gap = whole && is_pair ? Math.min(usual_gap, room_w - 2 * size.width_px) : usual_gap;
+    const left = Math.floor((room_w - (is_pair ? 2 * size.width_px + gap : size.width_px)) / 2);
+    this.videos.forEach(({ style }, i) => {
+      style.width = `${size.width_px / ratio}px`;
+      style.height = `${size.height_px / ratio}px`;
+      style.left = `${(left + (is_pair ? i * (size.width_px + gap) : 0)) / ratio}px`; // on whole device pixels
+      style.top = `${Math.floor((room_h - size.height_px) / 2) / ratio}px`;
+    });
+    if (!this.room_below) this.onPlaced(size);
   }
 }

@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: MIT
 // What the screens share: the study, the participant's visit, the outbox, and what the server says comes next.
-import { RequestFailed } from "./api";
-import type { Clip, Environment, Next, PresentationRecord, ResponseRecord, Study, StudyEvent, Trial } from "./contract";
+import { RequestFailed, request } from "./api";
+import type { Log } from "./clip_evidence";
+import type {
+  Environment, Feedback, Next, PresentationRecord, Question, ResponseRecord, ScreenVerdict, Study, StudyEvent, Trial,
+} from "./contract";
 import { delivered, fetchNext, patiently } from "./delivery";
 import type { Outbox } from "./outbox";
-import type { Log } from "./presentation";
-import { showMessage, showProgress } from "./screens";
-import { type Session, type Visit, forgetSession, nextEventNumber, openSession } from "./session";
+import type { ScreenReport } from "./screen_check";
+import { choose, showMessage, showProgress } from "./screens";
+import {
+  type Session, type Visit, cleanAddress, firstAddress, forgetSession, nextEventNumber, openSession,
+} from "./session";
 import type { Texts } from "./texts";
 
 const CONSENT_FIRST: Next = {
   step: "consent",
   progress: { done: 0, total: 0 },
-  completion_code: null,
+  language: null,
+  completion: null,
+  withdraw_fragment: null,
+  screen_problems: [],
   trial: null,
 };
 
@@ -20,6 +28,11 @@ export class StudyPage {
   next: Next = CONSENT_FIRST;
   /** Kind of the trial before, null right after the page was loaded. */
   last_kind: Trial["trial_kind"] | null = null;
+  /** What the server said of the practice answer before. */
+  feedback: Feedback | null = null;
+  /** The participant stopped at a rest: the trial that would follow is not shown. */
+  is_stopping = false;
+  private awaits_feedback = "";
   private events: StudyEvent[] = [];
   private has_decided = false;
   private readonly enrolment_id = crypto.randomUUID();
@@ -38,18 +51,17 @@ export class StudyPage {
     return this.next.trial;
   }
 
-  get clip(): Clip {
-    const [clip] = this.trial.clips;
-    if (!clip || this.trial.layout !== "single") {
-      throw new Error(`layout "${this.trial.layout}" with ${this.trial.clips.length} clips; this page shows "single"`);
-    }
-    return clip;
+  /** The questions that may be asked in this trial, in its order. */
+  questionsOf(trial: Trial): Question[] {
+    return trial.question_keys.flatMap((key) => this.study.questions.find((question) => question.key === key) ?? []);
   }
 
   /** Waits until everything is with the server, then asks it what comes next. */
   async advance(display: HTMLElement): Promise<void> {
     await delivered(display, this.texts, this.outbox, () => this.startOver());
     if (!this.session) return; // nobody is enrolled before they consent
+    this.takeFeedback();
+    this.is_stopping = false;
     try {
       this.next = await fetchNext(display, this.texts, this.session.token);
     } catch (cause) {
@@ -65,9 +77,18 @@ export class StudyPage {
   async decide(display: HTMLElement, agreed: boolean): Promise<void> {
     const { study, visit } = this;
     const environment = await this.environment;
-    this.session ??= await patiently(display, this.texts, () =>
-      openSession(study.name, visit, environment, this.enrolment_id),
-    );
+    try {
+      this.session ??= await patiently(display, this.texts, () =>
+        openSession(study.name, visit, environment, this.enrolment_id),
+      );
+    } catch (cause) {
+      const refusal = cause instanceof RequestFailed && cause.status === 403 && this.texts.refusals[cause.code];
+      if (!refusal) throw cause;
+      const [title, text] = refusal;
+      showMessage(display, this.texts, { title, text });
+      return new Promise(() => undefined); // there is nothing to go on to
+    }
+    cleanAddress(visit.lang);
     await this.post("/api/consent", {
       agreed,
       form_version: study.consent.version,
@@ -77,14 +98,54 @@ export class StudyPage {
     this.has_decided = true;
   }
 
-  instructionsRead(): Promise<void> {
+  instructionsRead(): Promise<unknown> {
     return this.post("/api/instructions", {}, "drop");
+  }
+
+  /** Sends what was found out about the screen; the server judges it. */
+  async sendScreen(display: HTMLElement, report: ScreenReport): Promise<ScreenVerdict | null> {
+    const body = { submission_id: crypto.randomUUID(), ...report };
+    const token = this.session?.token ?? null;
+    try {
+      return await patiently(display, this.texts, () => request<ScreenVerdict>("/api/screen", { token, body }));
+    } catch (cause) {
+      if (cause instanceof RequestFailed && cause.status === 409) return null; // judged already, in another tab
+      throw cause;
+    }
+  }
+
+  /** Keeps the answers to the questions about the whole session. */
+  endAnswered(responses: ResponseRecord[]): Promise<unknown> {
+    return this.post("/api/end_questions", { responses });
+  }
+
+  /** Ends the participation early, with what was answered. */
+  async stop(): Promise<void> {
+    await this.post("/api/stop", {}, "drop");
+    this.last_kind = "test"; // what comes is no return after an interruption
+  }
+
+  /** Deletes everything of this visit, on the server and here. */
+  async withdraw(display: HTMLElement): Promise<void> {
+    const body = { submission_id: crypto.randomUUID(), confirm: true };
+    if (!this.session) return;
+    const { token } = this.session;
+    try {
+      await patiently(display, this.texts, () => request("/api/withdraw", { token, body }));
+    } catch (cause) {
+      // A dead token: the answer to an earlier attempt got lost on its way.
+      if (!(cause instanceof RequestFailed && cause.status === 401)) throw cause;
+    }
+    await this.outbox.discard(token);
+    forgetSession(this.study.name);
+    showMessage(display, this.texts, { title: this.texts.withdrawn_title, text: this.texts.withdrawn_text });
   }
 
   /** Keeps the answer of the present trial and what happened meanwhile. */
   async answered(presentation: PresentationRecord, responses: ResponseRecord[]): Promise<void> {
-    const { trial_id, trial_kind } = this.trial;
-    await this.post("/api/trials", { trial_id, presentation, responses });
+    const { trial_id, trial_kind, feedback } = this.trial;
+    const submission_id = await this.post("/api/trials", { trial_id, presentation, responses });
+    this.awaits_feedback = feedback ? submission_id : "";
     this.last_kind = trial_kind;
     while (this.events.length) await this.post("/api/events", { events: this.events.splice(0, 200) }, "drop");
   }
@@ -107,16 +168,38 @@ export class StudyPage {
     this.events.push({ seq, presentation_id, kind, t_ms: performance.now(), detail: Object.fromEntries(short) });
   };
 
+  /** Forgets this visit and begins another by the address that led here. */
   startOver(): void {
     forgetSession(this.study.name);
-    location.reload();
+    location.replace(this.study.kiosk ? "/" : firstAddress());
   }
 
-  private async post(path: string, body: Record<string, unknown>, if_refused: "stop" | "drop" = "stop"): Promise<void> {
+  /** Where the study must be seen in full screen: waits until it is. */
+  async returnToFullscreen(display: HTMLElement): Promise<void> {
+    const { texts } = this;
+    while (!document.fullscreenElement) {
+      const words = { title: texts.fullscreen_back_title, text: texts.fullscreen_back_text };
+      await choose(display, texts, words, [texts.go_fullscreen]);
+      await document.documentElement.requestFullscreen().catch(() => undefined);
+    }
+  }
+
+  private takeFeedback(): void {
+    const reply = this.awaits_feedback ? this.outbox.takeReply(this.awaits_feedback) : null;
+    this.awaits_feedback = "";
+    this.feedback = (reply as { feedback?: Feedback | null } | null)?.feedback ?? null;
+  }
+
+  private async post(
+    path: string,
+    body: Record<string, unknown>,
+    if_refused: "stop" | "drop" = "stop",
+  ): Promise<string> {
     if (!this.session) throw new Error(`${path} before a session`);
     const submission_id = crypto.randomUUID();
     const { token } = this.session;
     await this.outbox.put({ submission_id, path, token, if_refused, body: { submission_id, ...body } });
+    return submission_id;
   }
 
   private showSessionLost(display: HTMLElement): Promise<never> {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every word of the page that does not come from the study. Another language is another object of the same type.
+// Every word of the page that does not come from the study, in English. Other languages are objects of the same type.
+import { german } from "./texts_de";
 
 const english = {
   // Consent and start
@@ -7,29 +8,97 @@ const english = {
   decline: "I do not take part",
   begin: "Begin",
   carry_on: "Continue",
+  language: "Language",
+  minutes: (n: number): string => `This takes about ${n} ${n === 1 ? "minute" : "minutes"}.`,
   declined_title: "You decided not to take part",
   declined_text: "That is fine, and there is nothing more to do. You can close this page now.",
   changed_mind: "I changed my mind",
   resume_title: "Welcome back",
   resume_text: "Your earlier answers are safe. You go on where you were.",
   practice_title: "Practice first",
-  practiceText: (n: number): string =>
-    `${n === 1 ? "One clip" : `${n} clips`} to get used to the task. Each clip plays once, then the questions appear.`,
+  practiceText: (n: number, clips_each: number): string =>
+    clips_each > 1
+      ? `${n === 1 ? "One pair of clips" : `${n} pairs of clips`} to get used to the task. Both clips play once, then the questions appear.`
+      : `${n === 1 ? "One clip" : `${n} clips`} to get used to the task. Each clip plays once, then the questions appear.`,
   main_title: "Practice is over",
-  mainText: (n: number): string =>
-    `Now the study itself begins: ${n === 1 ? "one clip" : `${n} clips`}. There are no right or wrong answers; your impression counts.`,
+  mainText: (n: number, clips_each: number): string => {
+    const clips = clips_each > 1 ? (n === 1 ? "one pair of clips" : `${n} pairs of clips`) : n === 1 ? "one clip" : `${n} clips`;
+    return `Now the study itself begins: ${clips}. From here on there are no right or wrong answers; your impression counts.`;
+  },
+  feedback_title: (is_right: boolean): string => (is_right ? "That is right" : "Not quite"),
+  feedbackText: (is_right: boolean): string =>
+    is_right ? "You saw what this practice clip was made to show." : "This practice clip was made to show something else.",
   rest_title: "Time for a short rest",
   restText: (done: number, total: number): string =>
     `You have done ${done} of ${total}. Look away from the screen for a moment and go on when you are ready.`,
+  restWait: (seconds: number): string => `Continue (in ${seconds} s)`,
+  end_title: "A few last questions",
+  end_text: "These are about the session as a whole.",
+
+  // Who may take part
+  refusals: {
+    link_needed: ["This study needs a personal link", "Please open the link that you were given."],
+    link_unknown: ["This link is not known", "Please check that you opened the whole link, or ask the person who sent it."],
+    link_used: ["This link was used before", "Each link is for one person and one visit. If you were interrupted, please use the same browser as before."],
+    link_closed: ["This link is closed", "Please ask the person who sent it."],
+    already_taken_part: ["You have taken part already", "Each person takes part once. Thank you for your interest."],
+    study_paused: ["The study is paused", "Please try again later."],
+    study_closed: ["The study is closed", "No more answers are collected. Thank you for your interest."],
+    study_full: ["The study has enough participants", "No more answers are needed. Thank you for your interest."],
+    not_simulated: ["This address is for scripted raters only", "Please use the address that you were given."],
+    no_pilot_here: ["This study takes no pilot visits", "Please use the address that you were given."],
+  } as Record<string, [title: string, text: string]>,
+  preview_title: "This is a preview",
+  preview_text: "Please accept the task first. The study then opens here.",
+
+  // Screen
+  check_again: "Check again",
+  viewport_title: "The window is too small",
+  viewportText: (w: number, h: number, now_w: number, now_h: number): string =>
+    `The clips need a window of ${w} × ${h} pixels; this one has ${now_w} × ${now_h}. Please make it larger, zoom out, or go to full screen.`,
+  fullscreen_title: "Full screen",
+  fullscreen_text: "The clips are best seen without anything around them. You can leave full screen at any time with the Escape key.",
+  fullscreen_needed: "This study runs in full screen. You can leave it at any time with the Escape key.",
+  fullscreen_back_title: "Back to full screen",
+  fullscreen_back_text: "This study runs in full screen. Please return to it before the next clip.",
+  go_fullscreen: "Go to full screen",
+  stay_in_window: "Stay in the window",
+  card_title: "How large is your screen?",
+  card_text: "Hold a bank card, or any card of that size, flat against the screen. Make the drawn card as wide as the real one: drag its right edge or use the arrow keys.",
+  card_edge: "Width of the drawn card",
+  cardWidth: (px: number): string => `${px} pixels`,
+  card_done: "It has the same size",
+  card_skip: "I have no card",
+  distance_title: "How far are you from the screen?",
+  distance_text: "From your eyes to the screen, roughly. An arm's length is about 60 cm. Please stay at that distance.",
+  distance_label: "Distance in centimetres",
+  distanceWrong: (min_cm: number, max_cm: number): string => `Please enter a number from ${min_cm} to ${max_cm}.`,
+  checking_title: "Checking this screen",
+  checking_text: "This takes a few seconds.",
+  screen_title: "This screen does not fit yet",
+  screened_out_title: "This device cannot show the study",
+  screened_out_text: "Thank you for your interest. The clips cannot be shown here as the study needs it:",
+  screen_problems: {
+    phone: "The study needs a computer; it does not run on a phone.",
+    viewport: "The window is too small for the clips.",
+    refresh: "The refresh rate of this screen does not suit the clips.",
+    codec: "This browser does not play the clips.",
+    fullscreen: "The study runs in full screen.",
+    calibration: "The size of the screen must be measured with a card.",
+    distance: "The distance to the screen is outside of what the study allows.",
+    px_per_degree: "From this distance the clips are too large or too small to the eye. Please sit nearer or further away.",
+  } as Record<string, string>,
 
   // Clip
   loading_clip: "Loading the clip",
   press_to_start: "Press to start the clip",
   clip_shown: "The clip is playing. The questions follow.",
+  clipNumber: (n: number): string => (n === 1 ? "First clip" : "Second clip"),
 
   // Questions
   questions_title: "Your impression of the clip",
-  keysHint: "Number keys answer the marked question.",
+  questions_title_pair: "Your impression of the two clips",
+  keysHint: "You can answer with the number keys.",
   pointName: (point: number, points: number, name: string): string => `${point} of ${points}${name ? `, ${name}` : ""}`,
   sliderEmpty: (low: string, high: string): string => `no answer yet; from ${low} to ${high}`,
   sliderValue: (value: number, min: number, max: number, low: string, high: string): string =>
@@ -37,14 +106,40 @@ const english = {
   optional: "(optional)",
   charsLeft: (n: number): string => `${n} characters left`,
   missing: "Please answer this question.",
-  watch_again: "Watch the clip again",
-  watchAgainLeft: (n: number): string => `Watch the clip again (${n} left)`,
+  watch_again: "Watch again",
+  watchAgainLeft: (n: number): string => `Watch again (${n} left)`,
   next: "Continue",
   progress: "Progress",
   progressText: (done: number, total: number): string => `${done} of ${total} done`,
   progressShort: (done: number, total: number): string => `${done} / ${total}`,
   fullscreen: "Full screen",
   leave_fullscreen: "Leave full screen",
+
+  // Marking a moment
+  mark_start: "Play and pause",
+  mark_more: "Mark another moment",
+  mark_none: "Nothing looked wrong",
+  mark_remove: "Remove",
+  markAt: (ms: number): string => `at ${(ms / 1000).toFixed(2)} s`,
+  mark_hint: "Press the space bar at the moment in question.",
+  mark_paused: "Is this the moment? The arrow keys move frame by frame.",
+  mark_over: "The clip is over. The arrow keys move back frame by frame.",
+  mark_pause: "Pause",
+  mark_earlier: "Earlier",
+  mark_later: "Later",
+  mark_here: "Mark this moment",
+  mark_go_on: "Play on",
+  mark_again: "Play again",
+  mark_back: "Back",
+
+  // Stopping
+  stop_here: "Stop here",
+  stop_title: "Stop taking part now?",
+  stop_text: "Your answers so far are kept, and you get to the last page at once. You cannot go on later.",
+  stop_yes: "Stop here",
+  stop_no: "Go on",
+  stopped_title: "You stopped early",
+  stopped_text: "Thank you for the answers you gave. They are stored.",
 
   // Saving
   saving: "Saving your answer…",
@@ -63,6 +158,19 @@ const english = {
   copy: "Copy",
   copied: "Copied",
   next_participant: "Start for the next participant",
+  next_key: "or press N",
+  return_to: "Return and finish",
+  close_now: "You can close this page now.",
+  withdraw_intro: "If you change your mind later, this personal link deletes all your answers. Keep it to yourself:",
+  withdraw_button: "Delete my answers now",
+  withdraw_title: "Delete all your answers?",
+  withdraw_text: "Everything you answered is deleted from the study. This cannot be undone.",
+  withdraw_yes: "Delete my answers",
+  withdraw_no: "Keep my answers",
+  withdrawn_title: "Your answers are deleted",
+  withdrawn_text: "The study holds nothing more of your visit. You can close this page now.",
+  withdrawal_unknown_title: "There is nothing to delete",
+  withdrawal_unknown_text: "This link is not known, or the answers are deleted already.",
 
   // Trouble
   refused_title: "Please tell the experimenter",
@@ -93,7 +201,7 @@ const english = {
 
 export type Texts = typeof english;
 
-const LANGUAGES: Record<string, Texts> = { en: english };
+const LANGUAGES: Record<string, Texts> = { en: english, de: german };
 
 /** The page's words in `language`, or in English where they are not translated. */
 export function textsFor(language: string): Texts {

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
-// jsPsych plugin video-rating: one clip, then the questions about it. It knows nothing of servers: what is to be kept
-// goes out through its function parameters.
+// jsPsych plugin video-rating: one clip or a pair, then the questions about it. It knows nothing of servers: what is to
+// be kept goes out through its function parameters.
 import { type JsPsychPlugin, ParameterType, type TrialType } from "jspsych";
-import type { Clip, PresentationRecord, Question, ResponseRecord } from "./contract";
-import { type Log, Presentation } from "./presentation";
-import { playOnce, prepareVideo } from "./play";
-import { ClipProblem, loadClip } from "./preload";
+import type { Log } from "./clip_evidence";
+import { confirmed } from "./confirm";
+import type { PresentationRecord, Question, ResponseRecord, Study, Trial } from "./contract";
+import { makeVideo, playOnce, prepareVideo } from "./play";
+import { playForMark } from "./play_for_mark";
+import { ClipProblem, loadClips } from "./preload";
+import { Presentation } from "./presentation";
 import { QuestionForm } from "./question_form";
-import { focusTitle, showMessage } from "./screens";
+import { focusTitle, offerStop, showMessage } from "./screens";
 import { Stage } from "./stage";
 import type { Texts } from "./texts";
 
@@ -17,16 +20,14 @@ const info = {
   name: "video-rating",
   version: APP_VERSION,
   parameters: {
-    /** The clip: address, sha256, size in bytes and pixels. */
-    clip: { type: ParameterType.OBJECT, default: undefined },
+    /** What the server says of this trial: clips, layout, which questions under which conditions. */
+    trial: { type: ParameterType.OBJECT, default: undefined },
     /** Questions in the order of the page. */
     questions: { type: ParameterType.COMPLEX, array: true, default: undefined },
-    /** How often the clip may be watched again, after its first full play. */
-    replays: { type: ParameterType.INT, default: 0 },
-    /** Shortest and longest time of the fixation cross; drawn evenly in between. */
-    fixation_ms: { type: ParameterType.INT, array: true, default: [500, 1500] },
+    /** How trials are shown: replays, and times of fixation, grey and gap. */
+    timing: { type: ParameterType.OBJECT, default: undefined },
     /** Grey before a replay and between the clip and the questions. */
-    grey_ms: { type: ParameterType.INT, default: 200 },
+    grey_after_ms: { type: ParameterType.INT, default: 200 },
     /** The error screen comes when the clip's bytes stay away for this long. */
     load_silence_ms: { type: ParameterType.INT, default: 20_000 },
     /** The page's words. */
@@ -35,13 +36,15 @@ const info = {
     store: { type: ParameterType.FUNCTION, default: undefined },
     /** Takes a showing that was not followed by an answer: page left, clip broken. */
     report_broken_off: { type: ParameterType.FUNCTION, default: undefined },
+    /** Ends the participation early; null where the study does not allow it. */
+    stop: { type: ParameterType.FUNCTION, default: null },
     /** Takes events: stalls, replays, problems. */
     log: { type: ParameterType.FUNCTION, default: undefined },
   },
   data: {
     /** What the screen did. */
     presentation: { type: ParameterType.OBJECT },
-    /** What was answered; rt_ms counts from the end of the first full play. */
+    /** What was answered; rt_ms counts from the end of the last first play. */
     responses: { type: ParameterType.COMPLEX, array: true },
   },
   citations: { apa: "", bibtex: "" },
@@ -50,15 +53,15 @@ const info = {
 type Info = typeof info;
 
 interface Parameters {
-  clip: Clip;
+  trial: Trial;
   questions: Question[];
-  replays: number;
-  fixation_ms: [number, number];
-  grey_ms: number;
+  timing: Study["trial"];
+  grey_after_ms: number;
   load_silence_ms: number;
   texts: Texts;
   store: (presentation: PresentationRecord, responses: ResponseRecord[]) => Promise<void>;
   report_broken_off: (presentation: PresentationRecord) => void;
+  stop: (() => Promise<void>) | null;
   log: Log;
 }
 
@@ -80,76 +83,100 @@ export class VideoRatingPlugin implements JsPsychPlugin<Info> {
 
 /** One trial from the grey before the clip to the stored answer. */
 class Showing {
-  private readonly video = document.createElement("video");
+  private readonly videos: HTMLVideoElement[];
   private readonly stage: Stage;
   private readonly leaving = new AbortController();
+  private readonly positions: number[];
   private presentation: Presentation | null = null;
+  private urls: string[] = [];
 
   constructor(
     private readonly display: HTMLElement,
-    private readonly trial: Parameters,
+    private readonly settings: Parameters,
   ) {
+    const { clips, layout } = settings.trial;
+    this.videos = clips.map(makeVideo);
+    this.positions = clips.map((_, i) => i);
     this.stage = new Stage(
-      this.video,
-      (size) => this.presentation?.setDisplayed(size.width_px, size.height_px),
-      trial.texts,
+      this.videos,
+      clips,
+      layout,
+      (size) => this.presentation?.setDisplayed(size),
+      settings.texts,
     );
     window.addEventListener("pagehide", () => this.breakOff(), { signal: this.leaving.signal });
   }
 
   async run(): Promise<Shown> {
-    let url = "";
-    for (let attempt = 0; !url; attempt += 1) {
+    for (let attempt = 0; this.urls.length === 0; attempt += 1) {
       try {
-        url = await this.showFirst(attempt > 0);
+        await this.showFirst(attempt > 0);
       } catch (cause) {
+        this.freeClips();
         if (!(cause instanceof ClipProblem)) throw cause;
         await this.showProblem(cause);
       }
     }
     const answered = await this.ask();
     this.leaving.abort();
-    this.video.removeAttribute("src");
-    URL.revokeObjectURL(url);
+    this.freeClips();
     return answered;
   }
 
-  /** Loads the clip and shows it in full once; returns the address of its bytes in memory. Throws ClipProblem. */
-  private async showFirst(is_again: boolean): Promise<string> {
-    const { trial, stage } = this;
+  /** Loads the clips and shows each in full once. Throws ClipProblem. */
+  private async showFirst(is_again: boolean): Promise<void> {
+    const { settings, stage } = this;
+    const { clips, layout } = settings.trial;
     this.display.replaceChildren();
-    stage.open(this.display, trial.clip);
+    stage.open(this.display);
     stage.showLoading(0);
-    const bytes = await loadClip(trial.clip, trial.load_silence_ms, is_again, (share) => stage.showLoading(share));
-    const url = URL.createObjectURL(bytes);
-    try {
-      await prepareVideo(this.video, url);
-      const [low, high] = trial.fixation_ms;
-      const fixation_ms = low + Math.random() * (high - low);
-      const presentation = new Presentation(trial.log);
-      stage.showCross();
-      await after(fixation_ms);
-      await inSight();
-      this.presentation = presentation;
-      stage.place();
-      trial.log("fixation", presentation.id, { ms: fixation_ms });
-      await this.play(presentation);
-      await after(trial.grey_ms);
-    } catch (cause) {
-      URL.revokeObjectURL(url);
-      throw cause;
-    }
+    this.urls = await loadClips(clips, settings.load_silence_ms, is_again, (share) => stage.showLoading(share));
+    await Promise.all(this.videos.map((video, i) => prepareVideo(video, this.urls[i] ?? "")));
+    const [low, high] = settings.timing.fixation_ms;
+    const fixation_ms = low + Math.random() * (high - low);
+    const presentation = new Presentation(clips, layout, settings.log);
+    stage.showCross(this.clipNumber(0));
+    await after(fixation_ms);
+    await inSight();
+    this.presentation = presentation;
+    stage.place();
+    settings.log("fixation", presentation.id, { ms: fixation_ms });
+    await this.showClips(presentation);
     stage.close();
-    return url;
   }
 
-  private play(presentation: Presentation): Promise<void> {
-    const { video, stage, trial } = this;
-    return playOnce({ video, stage, presentation, log: trial.log, press_to_start: trial.texts.press_to_start });
+  /** All clips of the trial in their layout, with the grey around them. */
+  private async showClips(presentation: Presentation): Promise<void> {
+    const { settings, stage } = this;
+    const { timing, texts, log } = settings;
+    const showing = { videos: this.videos, stage, presentation, log, press_to_start: texts.press_to_start };
+    const endWatch = presentation.watchPage();
+    try {
+      stage.showGrey();
+      await after(timing.grey_ms);
+      if (settings.trial.layout === "side_by_side") await playOnce(showing, this.positions);
+      else {
+        for (const position of this.positions) {
+          if (position > 0) {
+            if (timing.gap_ms >= SHORTEST_CAPTION_MS) stage.showCross(this.clipNumber(position));
+            await after(timing.gap_ms);
+          }
+          await playOnce(showing, [position]);
+        }
+      }
+    } finally {
+      endWatch();
+    }
+    await after(settings.grey_after_ms);
+  }
+
+  private clipNumber(position: number): string {
+    const { trial, texts } = this.settings;
+    return trial.layout === "sequential" ? texts.clipNumber(position + 1) : "";
   }
 
   private async showProblem(problem: ClipProblem): Promise<void> {
-    const { texts, log } = this.trial;
+    const { texts, log } = this.settings;
     log("clip_problem", this.presentation?.id ?? null, { failure: problem.failure, detail: problem.detail });
     this.breakOff();
     this.stage.close();
@@ -164,60 +191,106 @@ class Showing {
   }
 
   private breakOff(): void {
-    if (this.presentation) this.trial.report_broken_off(this.presentation.record(false));
+    if (this.presentation) this.settings.report_broken_off(this.presentation.record(false));
     this.presentation = null;
+  }
+
+  private freeClips(): void {
+    for (const video of this.videos) {
+      video.onerror = null;
+      video.removeAttribute("src");
+      video.load(); // lets go of the decoder at once
+    }
+    for (const url of this.urls) URL.revokeObjectURL(url);
+    this.urls = [];
   }
 
   /** The questions in place of the clip, until an answer is stored. */
   private ask(): Promise<Shown> {
-    const { trial, display } = this;
+    const { settings, display } = this;
+    const { texts, trial } = settings;
     const presentation = this.presentation as Presentation;
     const clip_end_ms = presentation.ended_ms ?? performance.now();
-    let num_replays_left = trial.replays;
+    let num_replays_left = settings.timing.replays;
     return new Promise((resolve) => {
       const keys = new AbortController();
-      const form = new QuestionForm(trial.questions, trial.texts, () => performance.now() - clip_end_ms, {
+      const leave = (shown: Shown): void => {
+        keys.abort();
+        resolve(shown);
+      };
+      const stop = async (): Promise<void> => {
+        if (!settings.stop || !(await confirmed(texts.stop_title, texts.stop_text, texts.stop_yes, texts.stop_no))) return;
+        const record = presentation.record(false);
+        this.breakOff();
+        await settings.stop();
+        leave({ presentation: record, responses: [] });
+      };
+      const form = new QuestionForm({
+        texts,
+        title: trial.clips.length > 1 ? texts.questions_title_pair : texts.questions_title,
+        questions: settings.questions,
+        conditions: trial.conditions,
+        reversed: trial.reversed,
+        layout: trial.layout,
+        sinceOrigin: () => performance.now() - clip_end_ms,
+        rt_origin: "video_end",
+        onset_to_origin_ms: presentation.onset_ms === null ? null : clip_end_ms - presentation.onset_ms,
+        watchForMark: () => this.watchForMark(presentation, form),
         onWatchAgain: () => {
           num_replays_left -= 1;
           void this.watchAgain(presentation, form, num_replays_left);
         },
         onSubmit: (responses) => {
           const record = presentation.record(true);
-          trial.store(record, responses).then(
-            () => {
-              keys.abort();
-              resolve({ presentation: record, responses });
-            },
-            () => form.showProblem(trial.texts.not_kept_text),
+          settings.store(record, responses).then(
+            () => leave({ presentation: record, responses }),
+            () => form.showProblem(texts.not_kept_text),
           );
         },
       });
       form.setReplaysLeft(num_replays_left);
       form.listen(keys.signal);
+      if (settings.stop) offerStop(texts, () => void stop(), keys.signal);
       display.replaceChildren(form.element);
       focusTitle(display);
     });
   }
 
   private async watchAgain(presentation: Presentation, form: QuestionForm, num_left: number): Promise<void> {
-    const { trial, stage } = this;
-    form.element.inert = true;
-    stage.open(this.display, trial.clip);
-    stage.showGrey();
-    try {
-      await after(trial.grey_ms);
-      await this.play(presentation);
-      await after(trial.grey_ms);
-    } catch (cause) {
-      // The clip was seen in full before: the questions can be answered all the same.
-      trial.log("replay_problem", presentation.id, { detail: String(cause) });
-    }
-    stage.close();
-    form.element.inert = false;
+    await this.onStage(presentation, form, "replay_problem", () => this.showClips(presentation));
     form.setReplaysLeft(num_left);
     form.focus();
   }
+
+  private async watchForMark(presentation: Presentation, form: QuestionForm): Promise<number | null> {
+    const { settings, stage, videos } = this;
+    const { texts, log } = settings;
+    const showing = { videos, stage, presentation, log, press_to_start: texts.press_to_start };
+    let time_ms: number | null = null;
+    await this.onStage(presentation, form, "mark_problem", async () => {
+      stage.leaveRoomBelow(MARK_PANEL_CSS_PX);
+      time_ms = await playForMark(showing, texts).finally(() => stage.leaveRoomBelow(0));
+    });
+    return time_ms;
+  }
+
+  /** Brings the stage back over the form for a while. */
+  private async onStage(presentation: Presentation, form: QuestionForm, problem: string, task: () => Promise<void>) {
+    form.element.inert = true;
+    this.stage.open(this.display);
+    try {
+      await task();
+    } catch (cause) {
+      // The clip was seen in full before: the questions can be answered all the same.
+      this.settings.log(problem, presentation.id, { detail: String(cause) });
+    }
+    this.stage.close();
+    form.element.inert = false;
+  }
 }
+
+const MARK_PANEL_CSS_PX = 124; // a hint and a line of buttons, see app.css
+const SHORTEST_CAPTION_MS = 300; // words that stand for less time only flicker
 
 function after(ms: number): Promise<void> {
   return new Promise((resolve) => setTimeout(resolve, ms));

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, sync_playwright
-from study_site import NUM_FRAMES, WEB, StudyServer, Visit
+from study_site import NUM_FRAMES, STUDY, WEB, StudyServer, Visit
 
 QUIET = [
     "--no-sandbox",
@@ -35,7 +35,7 @@ def page_build() -> Path:
 
 @pytest.fixture(scope="session")
 def clips(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A stimulus directory: one practice clip, three test clips, one catch clip; 0.5 s, 320x180."""
+    """A stimulus directory: one practice clip, three test clips, one catch clip; 0.3 s, 320x180."""
     directory = tmp_path_factory.mktemp("clips")
     rows = []
     for i, role in enumerate(["practice", "test", "test", "test", "catch"]):
@@ -49,11 +49,11 @@ def clips(tmp_path_factory: pytest.TempPathFactory) -> Path:
         rows.append(
             {
                 "stimulus": f"clip_{i}",
-                "scene": f"scene_{i}",
+                "scene": "scene",
                 "role": role,
                 "method": "seed",
                 "seed": 1,
-                "reference": "",
+                "reference": "clip_3" if i in (1, 2) else "",
                 "file": file.name,
                 "sha256": sha256,
                 "num_bytes": file.stat().st_size,
@@ -74,9 +74,14 @@ def clips(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def study_server(tmp_path: Path, clips: Path, page_build: Path) -> Iterator[StudyServer]:
+def study_server(
+    request: pytest.FixtureRequest, tmp_path: Path, clips: Path, page_build: Path
+) -> Iterator[StudyServer]:
+    """The mini study; a test can name another, by its text or with settings."""
     del page_build
-    server = StudyServer(tmp_path, clips)
+    wanted = getattr(request, "param", STUDY)
+    study, settings = wanted if isinstance(wanted, tuple) else (wanted, {})
+    server = StudyServer(tmp_path, clips, study, **settings)
     server.start()
     yield server
     server.kill()

@@ -3,12 +3,16 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from typing import Any
 
 from playwright.sync_api import Page
 
 FORM = "form.questions:not(.is-saving):not([inert])"
-TEXT_SCREEN = ".jspsych-btn-group-flex button:enabled"
+TEXT_SCREEN = (
+    ".jspsych-btn-group-flex button:enabled, .message:not(.end):not([role]) .primary:enabled"
+)
 
 
 class Participant:
@@ -60,25 +64,39 @@ class Participant:
             self.page.get_by_role("textbox").fill(chosen["why"])
         self.given.append(chosen)
 
+    def answer_anything(self, choice: int = 0) -> None:
+        """Answers every question on the page; choice: position within each group of buttons."""
+        form = self.page.locator(FORM)
+        for group in form.get_by_role("radiogroup").all():
+            if group.is_visible():  # answers bring further questions up and take others away
+                group.get_by_role("radio").nth(choice).check()
+        for slider in form.get_by_role("slider").all():
+            slider.press(str(choice))
+        for box in form.get_by_role("textbox").all():
+            if box.is_visible():
+                box.fill(f"comment {choice}")
+
     def submit(self) -> None:
         self.press("Continue")
         self.page.locator(FORM).wait_for(state="detached")
 
     def wait_for_screen(self) -> str:
         """Waits for the next screen that wants something: 'questions', 'text' or 'thanks'."""
-        screens = {"questions": FORM, "text": TEXT_SCREEN, "thanks": ".code"}
+        screens = {"questions": FORM, "text": TEXT_SCREEN, "thanks": ".end"}
         self.page.locator(", ".join(screens.values())).first.wait_for()
         return next(name for name, it in screens.items() if self.page.locator(it).count())
 
-    def finish(self, first: int = 0) -> str:
+    def finish(self, first: int = 0, answer: Callable[[int], None] | None = None) -> str:
         """Answers everything that comes and returns the completion code."""
         i = first
         while (screen := self.wait_for_screen()) != "thanks":
             if screen == "text":
-                self.press("Continue")
-                self.page.locator(TEXT_SCREEN).wait_for(state="detached")
+                title = self.page.get_by_role("heading").first.inner_text()
+                self.page.locator(TEXT_SCREEN).first.click()
+                self.page.get_by_role("heading", name=re.escape(title)).wait_for(state="detached")
             else:
-                self.answer(i)
+                self.wait_for_questions()
+                (answer or self.answer)(i)
                 self.submit()
                 i += 1
         return self.page.locator(".code").inner_text()

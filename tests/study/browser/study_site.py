@@ -18,7 +18,7 @@ from playwright.sync_api import BrowserContext, Page
 from verisim.study.server import serve
 
 WEB = Path(__file__).resolve().parents[3] / "study" / "web"
-NUM_FRAMES = 30
+NUM_FRAMES = 18
 SIMULATE_KEY = "browser-test-key"
 
 STUDY = """\
@@ -54,9 +54,10 @@ FORKS.set_forkserver_preload(["verisim.study.server"])
 class StudyServer:
     """The study server in a process of its own, which can be killed and started again."""
 
-    def __init__(self, folder: Path, clips: Path) -> None:
+    def __init__(self, folder: Path, clips: Path, study: str = STUDY, **settings: Any) -> None:
+        self.settings = {"simulate_key": SIMULATE_KEY, **settings}
         self.study = folder / "mini.yaml"
-        self.study.write_text(STUDY)
+        self.study.write_text(study)
         for name, text in TEXTS.items():
             (folder / name).write_text(text)
         self.clips = clips
@@ -71,7 +72,7 @@ class StudyServer:
         self.process = FORKS.Process(
             target=serve,
             args=(self.study, self.clips, self.db),
-            kwargs={"port": self.port, "simulate_key": SIMULATE_KEY},
+            kwargs={"port": self.port, **self.settings},
         )
         self.process.start()
         for _ in range(200):
@@ -124,6 +125,9 @@ def watch(page: Page, address: str, complaints: list[str]) -> None:
     page.on("request", lambda request: check(request.url))
 
 
+SIMULATED = f"?source=simulated&simulate_key={SIMULATE_KEY}"
+
+
 class Visit:
     """One browser profile visiting one study."""
 
@@ -132,7 +136,7 @@ class Visit:
         self.server = server
         self.complaints: list[str] = []
 
-    def open(self, query: str = f"?source=simulated&simulate_key={SIMULATE_KEY}") -> Participant:
+    def open(self, query: str = SIMULATED) -> Participant:
         page = self.context.new_page()
         watch(page, self.server.address, self.complaints)
         page.goto(self.server.address + "/" + query)

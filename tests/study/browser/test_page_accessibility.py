@@ -4,36 +4,23 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
-from page_participant import FORM, Participant
+from axe import findings
+from page_participant import FORM
 from playwright.sync_api import Browser, Route, expect
-from study_site import WEB, StudyServer, Visit
-
-
-def findings(one: Participant) -> list[str]:
-    """Critical and serious findings of axe on the screen as it is."""
-    one.page.evaluate((WEB / "node_modules" / "axe-core" / "axe.min.js").read_text())
-    # The busy and progress bars move; colours are judged once they stand still.
-    report: dict[str, Any] = one.page.evaluate("axe.run(document)")
-    return [
-        f"{it['id']}: {node['html']}"
-        for it in report["violations"]
-        if it["impact"] in ("critical", "serious")
-        for node in it["nodes"]
-    ]
+from study_site import StudyServer, Visit
 
 
 def test_no_screen_has_serious_axe_findings(visit: Visit, study_server: StudyServer) -> None:
     one = visit.open()
     one.page.get_by_role("button", name="I agree").wait_for()
-    found = {"consent": findings(one)}
+    found = {"consent": findings(one.page)}
     one.press("I agree to take part")
     one.page.get_by_role("button", name="Begin").wait_for()
-    found["instructions"] = findings(one)
+    found["instructions"] = findings(one.page)
     one.press("Begin")
     one.wait_for_heading("Practice first")
-    found["practice"] = findings(one)
+    found["practice"] = findings(one.page)
 
     def refuse(route: Route) -> None:
         route.fulfill(status=500)
@@ -41,22 +28,22 @@ def test_no_screen_has_serious_axe_findings(visit: Visit, study_server: StudySer
     one.page.route("**/media/*", refuse)
     one.press("Continue")
     one.wait_for_heading("The clip could not be shown")
-    found["clip error"] = findings(one)
+    found["clip error"] = findings(one.page)
     one.page.unroute("**/media/*")
     one.press("Try again")
     one.wait_for_questions()
-    found["questions"] = findings(one)
+    found["questions"] = findings(one.page)
     one.press("Continue")
-    found["missing answers"] = findings(one)
+    found["missing answers"] = findings(one.page)
     one.answer(0)
-    found["answered"] = findings(one)
+    found["answered"] = findings(one.page)
     study_server.kill()
     one.submit()
     one.wait_for_heading("Connection lost")
-    found["connection lost"] = findings(one)
+    found["connection lost"] = findings(one.page)
     study_server.start()
     one.finish(first=1)
-    found["thanks"] = findings(one)
+    found["thanks"] = findings(one.page)
     assert found == {screen: [] for screen in found}
 
 

@@ -83,6 +83,7 @@ def test_a_double_click_submits_once_and_skips_nothing(
 ) -> None:
     one = visit.open()
     agree = one.page.get_by_role("button", name="I agree to take part")
+    agree.scroll_into_view_if_needed()
     box = agree.bounding_box()
     assert box is not None
     one.page.mouse.move(box["x"] + 20, box["y"] + 20)

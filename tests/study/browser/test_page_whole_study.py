@@ -51,11 +51,11 @@ def test_a_whole_study_with_a_reload_stores_exactly_the_answers_given(
         if not shown["completed"]:
             continue
         assert shown["num_plays"] == 1
-        # 30 of 30 measured; the browser may count fewer when it cannot keep up.
+        # 18 of 18 measured; the browser may count fewer when it cannot keep up.
         assert 0.5 * NUM_FRAMES <= shown["frames_total"] <= NUM_FRAMES + 4
         assert 0 <= shown["frames_dropped"] <= shown["frames_total"]
-        # 500 ms of clip: measured 470 to 510 ms from the first frame to the end.
-        assert 400 < shown["ended_ms"] - shown["onset_ms"] < 10_000
+        # 300 ms of clip: measured 275 to 310 ms from the first frame to the end.
+        assert 240 < shown["ended_ms"] - shown["onset_ms"] < 10_000
         assert shown["first_frame_ms"] >= 0
         assert (shown["displayed_w_px"], shown["displayed_h_px"]) == (1280, 720)  # 4 x 320, 4 x 180
     responses = study_server.rows(
@@ -75,10 +75,10 @@ def test_watching_again_is_counted_and_keeps_the_answers(
     one = visit.open()
     one.come_to_questions()
     one.answer(0)
-    one.press("Watch the clip again")
+    one.press("Watch again")
     one.page.locator(".stage").wait_for()
     one.wait_for_questions()
-    assert one.page.get_by_role("button", name="Watch the clip again").count() == 0
+    assert one.page.get_by_role("button", name="Watch again").count() == 0
     one.page.locator("[name=answer-realism][value='7']").check()
     one.given[0]["realism"] = 7
     one.submit()
@@ -86,7 +86,7 @@ def test_watching_again_is_counted_and_keeps_the_answers(
     assert study_server.answers() == one.given
     [shown] = study_server.rows("SELECT num_plays, frames_total FROM presentation")
     assert shown["num_plays"] == 2
-    assert shown["frames_total"] > NUM_FRAMES + 4  # both plays: 60 measured
+    assert shown["frames_total"] > NUM_FRAMES + 4  # both plays: 36 measured
     [changed] = study_server.rows(
         "SELECT num_changes FROM response JOIN question USING (question_id) WHERE key = 'realism'"
     )
