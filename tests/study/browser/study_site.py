@@ -96,6 +96,10 @@ class StudyServer:
             connection.row_factory = sqlite3.Row
             return [dict(row) for row in connection.execute(sql)]
 
+    def change(self, sql: str) -> None:
+        with sqlite3.connect(self.db) as connection:
+            connection.execute(sql)
+
     def answers(self) -> list[dict[str, Any]]:
         """What the database holds, one dict of answers per answered trial, in the order shown."""
         found: dict[int, dict[str, Any]] = {}

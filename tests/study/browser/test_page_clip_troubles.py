@@ -107,3 +107,26 @@ def test_a_clip_that_something_pauses_goes_on_by_itself(visit: Visit) -> None:
     one.wait_for_clip()
     one.page.evaluate("document.querySelector('video').pause()")
     one.wait_for_questions()
+
+
+def test_a_slow_line_is_waited_for_and_the_clip_then_plays_without_a_stall(
+    visit: Visit, study_server: StudyServer
+) -> None:
+    one = visit.open()
+    one.page.get_by_role("button", name="I agree to take part").wait_for()
+    network = one.page.context.new_cdp_session(one.page)
+    network.send(
+        "Network.emulateNetworkConditions",
+        # A clip of some 40 KB takes about a second.
+        {"offline": False, "latency": 200, "downloadThroughput": 40_000, "uploadThroughput": -1},
+    )
+    one.come_to_first_clip()
+    loading = one.page.get_by_role("progressbar", name="Loading the clip")
+    loading.wait_for()
+    one.wait_for_questions()
+    network.detach()
+    one.answer(0)
+    one.submit()
+    one.wait_for_heading("Practice is over")
+    [shown] = study_server.rows("SELECT stall_count, stall_ms FROM presentation")
+    assert shown == {"stall_count": 0, "stall_ms": 0}  # it plays from memory
