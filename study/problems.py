@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -29,6 +28,6 @@ class StudyError(Exception):
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
 
-def refuse(where: Path | str, message: str, hint: str = "") -> StudyError:
+def refuse(where: object, message: str, hint: str = "") -> StudyError:
     """Returns the error for a single problem."""
     return StudyError([Problem(str(where), message, hint)])

@@ -21,6 +21,7 @@ from verisim.study.export.exclusions import exclusions
 from verisim.study.export.layout import TABLES, column_names
 from verisim.study.problems import refuse
 from verisim.study.server.database import (
+    Place,
     check_is_ours,
     current_revision,
     head_revision,
@@ -31,7 +32,7 @@ DESCRIPTION = "dataset_description.json"
 Tables = dict[str, list[dict[str, Any]]]
 
 
-def export(db: Path, out_dir: Path, *, blind: bool = False, force: bool = False) -> dict[str, int]:
+def export(db: Place, out_dir: Path, *, blind: bool = False, force: bool = False) -> dict[str, int]:
     """Writes the export tree and returns the number of rows per table.
 
     Reads one moment of the database, also while a server writes to it. The same content gives the
@@ -60,7 +61,7 @@ def check_target(out_dir: Path, force: bool) -> None:
         raise refuse(out_dir, "holds an export already", "give another -o DIR, or add --force")
 
 
-def render(connection: Connection, db: Path, blind: bool) -> tuple[dict[str, str], dict[str, int]]:
+def render(connection: Connection, db: Place, blind: bool) -> tuple[dict[str, str], dict[str, int]]:
     """Returns the content of every file by path, and the number of rows per table."""
     if current_revision(connection) != head_revision():
         raise refuse(

@@ -9,7 +9,8 @@ from sqlalchemy import Connection, select, update
 
 from verisim.study.server import tables
 from verisim.study.server.expected import expected_choice, is_as_expected, read_expected
-from verisim.study.server.open_study import OpenStudy, to_json
+from verisim.study.server.json_text import to_json
+from verisim.study.server.open_study import OpenStudy
 from verisim.study.server.questions.answer import Answer
 from verisim.study.server.questions.yes_no import YesNoQuestion
 from verisim.study.server.samplers import find_tracks

@@ -14,7 +14,8 @@ from verisim.study.server.asked import check_answers, invalid, questions_of_tria
 from verisim.study.server.bodies import EventsBody, PresentationBody, Response, TrialBody
 from verisim.study.server.database import insert_for, utc_now
 from verisim.study.server.expected import is_as_expected, read_expected
-from verisim.study.server.open_study import OpenStudy, to_json
+from verisim.study.server.json_text import to_json
+from verisim.study.server.open_study import OpenStudy
 from verisim.study.server.reply import Reply
 from verisim.study.server.showings import find_trial, store_showing
 from verisim.study.server.steps import finish, out_of_order

@@ -8,7 +8,6 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -19,7 +18,7 @@ from starlette.types import ASGIApp
 
 from verisim.study.server import answers, bodies, steps, tables
 from verisim.study.server.api_error import ApiError
-from verisim.study.server.database import checkpoint, insert_for, utc_now
+from verisim.study.server.database import Place, checkpoint, insert_for, utc_now
 from verisim.study.server.describe_study import describe_study
 from verisim.study.server.enrolment import choose_source, enrol, hash_token
 from verisim.study.server.guard import Guard
@@ -54,7 +53,7 @@ class Serving:
     opened: OpenStudy
     writer: Writer
     reader: Engine
-    db: Path
+    db: Place
     source_default: str
     simulate_key: str | None
     mode: str = "open"  # open | pilot | live

@@ -6,6 +6,8 @@ from __future__ import annotations
 import fcntl
 import os
 import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -20,15 +22,41 @@ from sqlalchemy.dialects.postgresql import insert as pg_insert
 from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 
 from verisim.study.problems import refuse
+from verisim.study.server.postgres import (
+    PostgresUrl,
+    check_reachable,
+    postgres_reading_engine,
+    postgres_writing_engine,
+    read_url,
+)
 
 APPLICATION_ID = 0x56455249  # "VERI" in the file's header: no other SQLite file is taken for ours
 BUSY_TIMEOUT_MS = 5000
 MIGRATIONS = Path(__file__).parent / "migrations"
 
 
+# A SQLite file, or a database on a PostgreSQL server.
+Place = Path | PostgresUrl
+
+
+def read_place(text: str) -> Place:
+    """Takes a --db from the command line: an address with :// is PostgreSQL's, else a file."""
+    return read_url(text) if "://" in text else Path(text)
+
+
 def utc_now() -> str:
     """Returns the time as ISO 8601 in UTC with milliseconds."""
     return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+@contextmanager
+def lock_of(db: Place) -> Iterator[None]:
+    """Keeps a second server away from a SQLite file; PostgreSQL admits several."""
+    if isinstance(db, PostgresUrl):
+        yield
+        return
+    with DatabaseLock(db):
+        yield
 
 
 class DatabaseLock:
@@ -72,8 +100,10 @@ class DatabaseLock:
         self.release()
 
 
-def writing_engine(db: Path, *, foreign_keys: bool = True) -> Engine:
+def writing_engine(db: Place, *, foreign_keys: bool = True) -> Engine:
     """Returns the engine of the one writer: durable commits, transactions begun as writes."""
+    if isinstance(db, PostgresUrl):
+        return postgres_writing_engine(db)
     engine = create_engine(
         "sqlite://",
         creator=lambda: sqlite3.connect(db, check_same_thread=False),
@@ -104,8 +134,10 @@ def writing_engine(db: Path, *, foreign_keys: bool = True) -> Engine:
     return engine
 
 
-def reading_engine(db: Path) -> Engine:
+def reading_engine(db: Place) -> Engine:
     """Returns an engine whose connections cannot write and never create the file."""
+    if isinstance(db, PostgresUrl):
+        return postgres_reading_engine(db)
     address = f"{db.resolve().as_uri()}?mode=rw"
     engine = create_engine(
         "sqlite://",
@@ -129,10 +161,11 @@ def reading_engine(db: Path) -> Engine:
     return engine
 
 
-def prepare_database(db: Path) -> None:
+def prepare_database(db: Place) -> None:
     """Creates the file if it is missing and brings its tables to the newest form."""
     check_is_ours(db, may_be_missing=True)
-    db.parent.mkdir(parents=True, exist_ok=True)
+    if isinstance(db, Path):
+        db.parent.mkdir(parents=True, exist_ok=True)
     # A migration may write a table anew; with references checked, dropping the old one would erase
     # what refers to it.
     engine = writing_engine(db, foreign_keys=False)
@@ -143,6 +176,8 @@ def prepare_database(db: Path) -> None:
             config.set_main_option("script_location", str(MIGRATIONS))
             config.attributes["connection"] = connection
             command.upgrade(config, "head")
+            if isinstance(db, PostgresUrl):
+                return
             if connection.exec_driver_sql("PRAGMA foreign_key_check").first() is not None:
                 raise refuse(db, "has rows that refer to nothing", "bring back the last backup")
             connection.exec_driver_sql(f"PRAGMA application_id={APPLICATION_ID}")
@@ -150,8 +185,11 @@ def prepare_database(db: Path) -> None:
         engine.dispose()
 
 
-def check_is_ours(db: Path, *, may_be_missing: bool = False) -> None:
+def check_is_ours(db: Place, *, may_be_missing: bool = False) -> None:
     """Refuses a missing file and a file that is not a study database."""
+    if isinstance(db, PostgresUrl):
+        check_reachable(db)
+        return
     if not db.exists():
         if may_be_missing:
             return
@@ -179,7 +217,7 @@ def current_revision(connection: Connection) -> str | None:
     return MigrationContext.configure(connection).get_current_revision()
 
 
-def refuse_newer(connection: Connection, db: Path) -> None:
+def refuse_newer(connection: Connection, db: Place) -> None:
     """Refuses a database that a later program wrote."""
     seen = current_revision(connection)
     scripts = ScriptDirectory(str(MIGRATIONS))
@@ -192,8 +230,13 @@ def insert_for(connection: Connection, table: Table) -> Any:
     return (sqlite_insert if connection.dialect.name == "sqlite" else pg_insert)(table)
 
 
-def checkpoint(db: Path) -> None:
-    """Moves the write-ahead log into the file, so that nothing deleted lingers in the log."""
+def checkpoint(db: Place) -> None:
+    """Moves the write-ahead log into the file, so that nothing deleted lingers in the log.
+
+    PostgreSQL keeps its own log and reuses it; what its archive holds is the operator's to expire.
+    """
+    if isinstance(db, PostgresUrl):
+        return
     connection = sqlite3.connect(db)
     try:
         connection.execute(f"PRAGMA busy_timeout={BUSY_TIMEOUT_MS}")

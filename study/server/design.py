@@ -6,11 +6,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+from verisim.study.problems import Problem, StudyError, refuse
 from verisim.study.server.questions import Question
 from verisim.study.server.samplers import PlannedTrial, find_tracks, participant_seed, plan_order
-from verisim.study.server.stimulus_set import StimulusSet
-from verisim.study.server.study_file import Study
+from verisim.study.server.stimulus_set import StimulusSet, load_stimulus_set
+from verisim.study.server.study_file import Study, load_study
 
 # Seconds that people take, for the estimate of a session's length. Judgement, not measurement; the
 # pilot's median replaces it in the protocol.
@@ -70,6 +72,27 @@ def find_design_problems(study: Study, clips: StimulusSet) -> list[str]:
     if unknown:
         problems.append(f"practice.answers: {sorted(unknown)[0]!r} is no practice clip of the set")
     return list(dict.fromkeys(problems))
+
+
+def load_both(study_path: Path, set_dir: Path) -> tuple[Study, StimulusSet]:
+    """Reads a study and its clips. Raises StudyError where they do not belong together."""
+    study = load_study(study_path)
+    stimulus_set = load_stimulus_set(set_dir)
+    if stimulus_set.name != study.set:
+        raise refuse(
+            set_dir,
+            f"holds the set {stimulus_set.name!r}; the study {study.name!r} shows {study.set!r}",
+            "give the directory of that set, or change `set` in the study file",
+        )
+    return study, stimulus_set
+
+
+def check_design(study: Study, clips: StimulusSet) -> None:
+    """Refuses a design that cannot be carried out with these clips."""
+    faults = find_design_problems(study, clips)
+    if faults:
+        hint = "see the whole design: `verisim check STUDY`"
+        raise StudyError([Problem(str(study.path), fault, hint) for fault in faults])
 
 
 def plan_of_list(study: Study, clips: StimulusSet, cell: str, list_no: int) -> list[PlannedTrial]:

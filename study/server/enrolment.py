@@ -17,8 +17,9 @@ from verisim.study.server.api_error import ApiError
 from verisim.study.server.bodies import External, SessionBody
 from verisim.study.server.database import utc_now
 from verisim.study.server.expected import expected_answer
+from verisim.study.server.json_text import to_json
 from verisim.study.server.lists import reserve_list, take_list
-from verisim.study.server.open_study import OpenStudy, to_json
+from verisim.study.server.open_study import OpenStudy
 from verisim.study.server.reply import Reply
 from verisim.study.server.samplers import PlannedTrial, participant_seed, plan_order
 from verisim.study.server.submissions import record_submission

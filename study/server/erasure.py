@@ -4,21 +4,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 from sqlalchemy import Connection
 
 from verisim.study.problems import refuse
 from verisim.study.server.database import (
-    DatabaseLock,
+    Place,
     check_is_ours,
     checkpoint,
+    lock_of,
     writing_engine,
 )
 from verisim.study.server.withdrawal import erase, find_participant, purge_outside_ids
 
 
-def erase_participant(db: Path, participant: str, reason: str) -> int:
+def erase_participant(db: Place, participant: str, reason: str) -> int:
     """Deletes everything of one participant and returns the number of answers that went.
 
     participant: participant_id, completion code or outside id. Raises StudyError for an unknown
@@ -34,14 +34,14 @@ def erase_participant(db: Path, participant: str, reason: str) -> int:
     return _alone(db, work)
 
 
-def forget_outside_ids(db: Path) -> int:
+def forget_outside_ids(db: Place) -> int:
     """Deletes every identifier of a recruiting platform and returns how many went."""
     return _alone(db, lambda connection: purge_outside_ids(connection, actor="command line"))
 
 
-def _alone(db: Path, work: Callable[[Connection], int]) -> int:
+def _alone(db: Place, work: Callable[[Connection], int]) -> int:
     check_is_ours(db)
-    with DatabaseLock(db):
+    with lock_of(db):
         engine = writing_engine(db)
         try:
             with engine.begin() as connection:

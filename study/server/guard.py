@@ -18,6 +18,7 @@ access_log = logging.getLogger("verisim.study.access")
 
 MAX_BODY_BYTES = 64 * 1024
 DEADLINE_S = 10.0  # the page gives up after 15
+EXPORT_DEADLINE_S = 600.0
 
 CONTENT_SECURITY_POLICY = (
     "default-src 'self'; media-src 'self' blob:; img-src 'self' data:; connect-src 'self' blob:; "
@@ -33,27 +34,37 @@ SECURITY_HEADERS = [
     (b"cross-origin-resource-policy", b"same-origin"),
     (b"permissions-policy", b"camera=(), microphone=(), geolocation=(), interest-cohort=()"),
 ]
+FORM_HEADERS = [
+    (
+        b"content-security-policy",
+        b"default-src 'none'; style-src 'unsafe-inline'; form-action 'self'; base-uri 'none'; "
+        b"frame-ancestors 'none'",
+    ),
+    *SECURITY_HEADERS[1:],
+]
 
 
 class Guard:
     """The outermost layer; whatever passes it is small, in time and answered with safe headers."""
 
-    def __init__(self, app: ASGIApp) -> None:
+    def __init__(self, app: ASGIApp, *, forms: bool = False) -> None:
+        """forms: the pages hold HTML forms, which may be sent to this server alone."""
         self._app = app
+        self._forms = forms
         self._limit = RateLimit()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        answer = Answer(send)
+        answer = Answer(send, forms=self._forms)
         try:
             if not is_timed(scope["path"]):
                 await self._app(scope, receive, answer.send)
             else:
                 if not self._limit.allows(caller_name(scope)):
                     raise ApiError(429, "too_many", "too many requests", "wait a second")
-                async with asyncio.timeout(DEADLINE_S):
+                async with asyncio.timeout(deadline_s(scope["path"])):
                     body = await read_body(scope, receive)
                     await self._app(scope, replay(body, receive), answer.send)
         except ApiError as error:
@@ -68,14 +79,15 @@ class Guard:
 class Answer:
     """Adds headers to what the application sends and remembers whether it has begun."""
 
-    def __init__(self, send: Send) -> None:
+    def __init__(self, send: Send, *, forms: bool = False) -> None:
         self._send = send
+        self._headers = FORM_HEADERS if forms else SECURITY_HEADERS
         self.status: int | None = None
 
     async def send(self, message: Message) -> None:
         if message["type"] == "http.response.start":
             self.status = message["status"]
-            headers = [*message.get("headers", []), *SECURITY_HEADERS]
+            headers = [*message.get("headers", []), *self._headers]
             if not any(name == b"cache-control" for name, _ in headers):
                 headers.append((b"cache-control", b"no-store"))
             message = {**message, "headers": headers}
@@ -93,6 +105,11 @@ class Answer:
             headers.append((b"retry-after", b"1"))
         await self.send({"type": "http.response.start", "status": error.status, "headers": headers})
         await self._send({"type": "http.response.body", "body": content})
+
+
+def deadline_s(path: str) -> float:
+    """An export of much data takes its time; everything else must be quick."""
+    return EXPORT_DEADLINE_S if path == "/export" else DEADLINE_S
 
 
 def is_timed(path: str) -> bool:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from verisim.study.problems import refuse
 from verisim.study.server.achieved import achieved_level
 from verisim.study.server.questions import Percept
 from verisim.study.server.samplers.tracks import Track
@@ -136,3 +137,17 @@ class Observer:
         numbers = {k: v for k, v in asdict(self).items() if k != "thresholds"}
         numbers |= {f"threshold_{name}"[:40]: value for name, value in self.thresholds.items()}
         return {name: round(value, 4) for name, value in numbers.items()}
+
+
+def read_thresholds(texts: Sequence[str]) -> dict[str, float]:
+    """['gravity_up=0.4'] → {'gravity_up': 0.4}. Raises StudyError for anything else."""
+    thresholds: dict[str, float] = {}
+    for text in texts:
+        name, _, number = text.partition("=")
+        try:
+            thresholds[name] = float(number)
+        except ValueError:
+            thresholds[name] = math.nan
+        if not name or not thresholds[name] > 0:
+            raise refuse("threshold", f"{text!r} is not allowed", "write e.g. gravity_up=0.4")
+    return thresholds

@@ -3,22 +3,28 @@
 
 from __future__ import annotations
 
-import json
 import secrets
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Select, delete, func, insert, select, update
+from sqlalchemy import Connection, Engine, Select, delete, func, insert, select, update
 
-from verisim.study.problems import Problem, StudyError, refuse
-from verisim.study.server import tables
-from verisim.study.server.database import insert_for, prepare_database, utc_now, writing_engine
-from verisim.study.server.design import find_design_problems
+from verisim.study.problems import refuse
+from verisim.study.server import freezing, tables
+from verisim.study.server.database import (
+    Place,
+    insert_for,
+    prepare_database,
+    utc_now,
+    writing_engine,
+)
+from verisim.study.server.design import check_design, load_both
+from verisim.study.server.json_text import to_json
 from verisim.study.server.questions import Question
-from verisim.study.server.stimulus_set import Stimulus, StimulusSet, load_stimulus_set
-from verisim.study.server.study_file import Study, load_study
+from verisim.study.server.stimulus_set import Stimulus, StimulusSet
+from verisim.study.server.study_file import Study
 
 QUESTION_VERSION = 1  # a study with participants is frozen, so no second version can arise yet
 
@@ -41,40 +47,42 @@ class OpenStudy:
         return {stimulus.name: stimulus for stimulus in self.stimulus_set.stimuli}
 
 
-def open_study(study_path: Path, set_dir: Path, db: Path, mode: str = "open") -> OpenStudy:
+def open_study(study_path: Path, set_dir: Path, db: Place, mode: str = "open") -> OpenStudy:
     """Loads study and clips, migrates the database and writes what is new.
 
     Raises StudyError where a file is wrong, where the database belongs to another study, and where
     the study or its clips changed after the first participant came.
     """
-    study = load_study(study_path)
-    stimulus_set = load_stimulus_set(set_dir)
-    if stimulus_set.name != study.set:
-        raise refuse(
-            set_dir,
-            f"holds the set {stimulus_set.name!r}; the study {study.name!r} shows {study.set!r}",
-            "give the directory of that set, or change `set` in the study file",
-        )
+    study, stimulus_set = load_both(study_path, set_dir)
     check_design(study, stimulus_set)
     prepare_database(db)
     engine = writing_engine(db)
     try:
+        if mode == "live":
+            _refuse_unfrozen(engine, study, stimulus_set)
         with engine.begin() as connection:
-            return _import(connection, study, stimulus_set, db, mode)
+            opened = _import(connection, study, stimulus_set, db, mode)
+            if mode == "live":
+                freezing.check_frozen(connection, study, stimulus_set)
+        return opened
     finally:
         engine.dispose()
 
 
-def check_design(study: Study, clips: StimulusSet) -> None:
-    """Refuses a design that cannot be carried out with these clips."""
-    faults = find_design_problems(study, clips)
-    if faults:
-        hint = "see the whole design: `verisim check STUDY`"
-        raise StudyError([Problem(str(study.path), fault, hint) for fault in faults])
+def _refuse_unfrozen(engine: Engine, study: Study, clips: StimulusSet) -> None:
+    """Refuses a live study that is not as it was frozen; what differs is in the log by then."""
+    with engine.begin() as connection:
+        message = freezing.check_frozen(connection, study, clips)
+    if message is not None:
+        raise refuse(
+            study.path,
+            message,
+            "bring the frozen form back, or freeze again: `verisim study freeze --again REASON`",
+        )
 
 
 def _import(
-    connection: Connection, study: Study, clips: StimulusSet, db: Path, mode: str
+    connection: Connection, study: Study, clips: StimulusSet, db: Place, mode: str
 ) -> OpenStudy:
     row = connection.execute(select(tables.study)).mappings().first()
     if row is not None and row["study_id"] != study.name:
@@ -179,10 +187,6 @@ def _write(connection: Connection, study: Study, clips: StimulusSet) -> None:
 def condition_name(factors: dict[str, str]) -> str:
     """{'stiffness': 'low', 'seed': ''} → 'stiffness=low'; no level at all: 'none'."""
     return ", ".join(f"{name}={level}" for name, level in factors.items() if level) or "none"
-
-
-def to_json(value: Any) -> str:
-    return json.dumps(value, ensure_ascii=False, sort_keys=True, allow_nan=False)
 
 
 def _inserted_id(connection: Connection, table: Any, **values: Any) -> int:

@@ -7,14 +7,16 @@ import errno
 import socket
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 import uvicorn
+from starlette.types import ASGIApp
 
 from verisim.study.problems import refuse
 from verisim.study.server.app import Serving, create_app
-from verisim.study.server.database import DatabaseLock, reading_engine
+from verisim.study.server.database import Place, lock_of, reading_engine
 from verisim.study.server.open_study import open_study
 from verisim.study.server.study_file import SOURCES
 from verisim.study.server.writer import Writer
@@ -37,27 +39,44 @@ class StudyServer(uvicorn.Server):
         self._on_ready(self.address)
 
 
+@dataclass(frozen=True)
+class ServeOptions:
+    """How a study is served."""
+
+    host: str = "127.0.0.1"
+    port: int = 8000  # 0: any free one
+    source_default: str = "link"
+    simulate_key: str | None = None
+    mode: str = "open"  # open | pilot | live
+    kiosk: bool = False
+    admin_port: int | None = None  # None: no administration page; 0: any free port
+
+
 def serve(
     study: Path,
     set_dir: Path,
-    db: Path,
+    db: Place,
     host: str = "127.0.0.1",
     port: int = 8000,
     *,
     source_default: str = "link",
     simulate_key: str | None = None,
+    mode: str = "open",
+    kiosk: bool = False,
+    admin_port: int | None = None,
     on_ready: OnReady = lambda _address: None,
+    on_admin: OnReady = lambda _address: None,
 ) -> None:
     """Serves a study until Ctrl-C or SIGTERM; then finishes requests and folds the log in.
 
-    port 0 takes a free one. on_ready is called with the address as soon as the server answers.
-    Raises StudyError for wrong files, a port in use and a database that another server uses.
+    port 0 takes a free one. on_ready is called with the address as soon as the server answers,
+    on_admin before it with that of the administration page, if there is one. Raises StudyError for
+    wrong files, a port in use, a database that another server uses, and a live study that is not
+    as it was frozen.
     """
+    options = ServeOptions(host, port, source_default, simulate_key, mode, kiosk, admin_port)
     with (
-        _prepared(study, set_dir, db, host, port, source_default, simulate_key, on_ready) as (
-            server,
-            listener,
-        ),
+        _prepared(study, set_dir, db, options, on_ready, on_admin) as (server, listener),
         suppress(KeyboardInterrupt),
     ):  # Ctrl-C is the way to stop; all is written by now
         server.run(sockets=[listener])
@@ -65,13 +84,15 @@ def serve(
 
 @contextmanager
 def serving_in_background(
-    study: Path, set_dir: Path, db: Path, port: int, *, simulate_key: str
+    study: Path, set_dir: Path, db: Place, port: int, *, simulate_key: str
 ) -> Iterator[str]:
     """Runs the same server in a thread of this process; yields its address."""
     ready = threading.Event()
-    with _prepared(
-        study, set_dir, db, "127.0.0.1", port, "link", simulate_key, lambda _address: ready.set()
-    ) as (server, listener):
+    options = ServeOptions(port=port, simulate_key=simulate_key)
+    with _prepared(study, set_dir, db, options, lambda _address: ready.set()) as (
+        server,
+        listener,
+    ):
         thread = threading.Thread(target=server.run, args=([listener],), name="study-server")
         thread.start()
         try:
@@ -88,39 +109,73 @@ def serving_in_background(
 def _prepared(
     study: Path,
     set_dir: Path,
-    db: Path,
-    host: str,
-    port: int,
-    source_default: str,
-    simulate_key: str | None,
+    db: Place,
+    options: ServeOptions,
     on_ready: OnReady,
+    on_admin: OnReady = lambda _address: None,
 ) -> Iterator[tuple[StudyServer, socket.socket]]:
-    """Takes lock, database and port, in this order, and gives them back."""
-    if source_default not in SOURCES or source_default == "simulated":
+    """Takes lock, database and ports, in this order, and gives them back."""
+    if options.source_default not in SOURCES or options.source_default == "simulated":
         allowed = ", ".join(source for source in SOURCES if source != "simulated")
-        raise refuse("source", f"{source_default!r} is not allowed", f"give one of {allowed}")
-    db.parent.mkdir(parents=True, exist_ok=True)
-    with DatabaseLock(db):
-        opened = open_study(study, set_dir, db)
-        with _bound(host, port) as listener:
+        raise refuse(
+            "source", f"{options.source_default!r} is not allowed", f"give one of {allowed}"
+        )
+    if isinstance(db, Path):
+        db.parent.mkdir(parents=True, exist_ok=True)
+    with lock_of(db):
+        opened = open_study(study, set_dir, db, options.mode)
+        with _bound(options.host, options.port) as listener, ExitStack() as stack:
             serving = Serving(
-                opened, Writer(db), reading_engine(db), db, source_default, simulate_key
+                opened,
+                Writer(db),
+                reading_engine(db),
+                db,
+                options.source_default,
+                options.simulate_key,
+                options.mode,
+                options.kiosk,
             )
-            config = uvicorn.Config(
-                create_app(serving),
-                access_log=False,  # uvicorn's own would print addresses; Guard logs without
-                log_level="warning",
-                server_header=False,
-                timeout_graceful_shutdown=GRACE_S,
-                ws="none",
-            )
-            shown = f"[{host}]" if ":" in host else host
+            stack.callback(serving.reader.dispose)
+            stack.callback(serving.writer.close)
+            if options.admin_port is not None:
+                on_admin(stack.enter_context(_administered(serving, options.admin_port)))
+            shown = f"[{options.host}]" if ":" in options.host else options.host
             address = f"http://{shown}:{listener.getsockname()[1]}"
-            try:
-                yield StudyServer(config, address, on_ready), listener
-            finally:
-                serving.writer.close()
-                serving.reader.dispose()
+            yield StudyServer(_config(create_app(serving)), address, on_ready), listener
+
+
+def _config(app: ASGIApp) -> uvicorn.Config:
+    return uvicorn.Config(
+        app,
+        access_log=False,  # uvicorn's own would print addresses; Guard logs without
+        log_level="warning",
+        server_header=False,
+        timeout_graceful_shutdown=GRACE_S,
+        ws="none",
+    )
+
+
+@contextmanager
+def _administered(serving: Serving, port: int) -> Iterator[str]:
+    """Runs the administration page on the loopback address alone; yields where it is."""
+    from verisim.study.server.admin.app import create_admin_app
+    from verisim.study.server.admin.login import has_accounts
+
+    with serving.reader.begin() as connection:
+        if not has_accounts(connection):
+            hint = "make one: `verisim study admin-password NAME --db FILE`"
+            raise refuse("admin", "there is no account to log in with", hint)
+    with _bound("127.0.0.1", port) as listener:
+        number = listener.getsockname()[1]
+        hosts = tuple(f"{name}:{number}" for name in ("127.0.0.1", "localhost"))
+        server = uvicorn.Server(_config(create_admin_app(serving, hosts)))
+        thread = threading.Thread(target=server.run, args=([listener],), name="study-admin")
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{number}"
+        finally:
+            server.should_exit = True
+            thread.join()
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from verisim.study.problems import refuse
+from verisim.study.server.database import Place
 from verisim.study.server.http_client import HttpClient
 from verisim.study.server.observer import Observer, Traits, manipulation, visible_error
 from verisim.study.server.questions import Answer, Percept, Question
@@ -68,7 +69,7 @@ class Clips:
 def simulate(
     study: Path,
     set_dir: Path,
-    db: Path,
+    db: Place,
     participants: int,
     seed: int,
     port: int = 0,

@@ -20,7 +20,8 @@ from verisim.study.server.bodies import (
     StopBody,
 )
 from verisim.study.server.database import utc_now
-from verisim.study.server.open_study import OpenStudy, to_json
+from verisim.study.server.json_text import to_json
+from verisim.study.server.open_study import OpenStudy
 from verisim.study.server.reply import Reply
 from verisim.study.server.screen_check import check_screen
 from verisim.study.server.submissions import Caller, Post, accept, answer_of_earlier

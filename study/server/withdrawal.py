@@ -12,7 +12,7 @@ from sqlalchemy import Connection, delete, func, insert, or_, select
 from verisim.study.server import tables
 from verisim.study.server.api_error import ApiError
 from verisim.study.server.database import utc_now
-from verisim.study.server.open_study import to_json
+from verisim.study.server.json_text import to_json
 from verisim.study.server.reply import Reply
 from verisim.study.server.submissions import Caller
 

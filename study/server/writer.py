@@ -10,14 +10,14 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection
 from sqlalchemy.exc import DBAPIError
 
 from verisim.study.server.api_error import ApiError
-from verisim.study.server.database import checkpoint, writing_engine
+from verisim.study.server.database import Place, checkpoint, writing_engine
+from verisim.study.server.postgres import DISK_FULL, sql_state
 
 log = logging.getLogger("verisim.study.writer")
 
@@ -36,7 +36,7 @@ class Item:
 class Writer:
     """Runs pieces of work on the database, one after another, and answers after the commit."""
 
-    def __init__(self, db: Path) -> None:
+    def __init__(self, db: Place) -> None:
         self._db = db
         self._queue: queue.Queue[Item | None] = queue.Queue(MAX_WAITING)
         self._lock = threading.Lock()
@@ -159,7 +159,13 @@ def discard(connection: Connection) -> None:
 
 def is_storage_fault(error: Exception) -> bool:
     """True where the disk, not the request, is the cause: the whole transaction is void."""
-    return isinstance(error, DBAPIError) and primary_code(error) in (
+    if not isinstance(error, DBAPIError):
+        return False
+    # On PostgreSQL: class 53 is lack of disk or memory, 57 and 08 a server that goes away, 55 a
+    # lock that was not granted in time.
+    if error.connection_invalidated or sql_state(error)[:2] in ("53", "55", "57", "58", "08"):
+        return True
+    return primary_code(error) in (
         sqlite3.SQLITE_FULL,
         sqlite3.SQLITE_IOERR,
         sqlite3.SQLITE_NOMEM,
@@ -176,9 +182,9 @@ def primary_code(error: DBAPIError) -> int:
 
 def storage_error(error: Exception) -> ApiError:
     """What the page is told: 507 where the disk refused, 503 otherwise; both mean: retry."""
-    if isinstance(error, DBAPIError) and primary_code(error) in (
-        sqlite3.SQLITE_FULL,
-        sqlite3.SQLITE_IOERR,
+    if isinstance(error, DBAPIError) and (
+        primary_code(error) in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR)
+        or sql_state(error) == DISK_FULL
     ):
         return ApiError(
             507,

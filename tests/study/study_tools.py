@@ -154,15 +154,18 @@ def _clip(
 
 
 SERVE = """
-import logging, sys
+import json, logging, sys
 from pathlib import Path
 from verisim.study.problems import StudyError
 from verisim.study.server import serve
+from verisim.study.server.database import read_place
 logging.basicConfig(level=logging.INFO)
-study, set_dir, db, port, key = sys.argv[1:]
+study, set_dir, db, port, key, options = sys.argv[1:]
+admin = []
 try:
-    serve(Path(study), Path(set_dir), Path(db), port=int(port), source_default="lab",
-          simulate_key=key or None, on_ready=lambda address: print(address, flush=True))
+    serve(Path(study), Path(set_dir), read_place(db), port=int(port), source_default="lab",
+          simulate_key=key or None, on_admin=admin.append, **json.loads(options),
+          on_ready=lambda address: print(address, *admin, flush=True))
 except StudyError as error:
     print(error, file=sys.stderr)
     sys.exit(1)
@@ -175,9 +178,17 @@ class Server:
     """The real server in a process of its own, so that it can be killed."""
 
     def __init__(
-        self, study: Path, set_dir: Path, db: Path, *, port: int = 0, simulate_key: str = ""
+        self,
+        study: Path,
+        set_dir: Path,
+        db: Path | str,
+        *,
+        port: int = 0,
+        simulate_key: str = "",
+        **options: Any,
     ) -> None:
         self.study, self.set_dir, self.db = study, set_dir, db
+        self.options, self.admin = options, ""
         self.port, self.simulate_key = port, simulate_key
         self.address = ""
         self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115  closed by __exit__
@@ -186,7 +197,7 @@ class Server:
     def start(self) -> None:
         arguments = [str(self.study), str(self.set_dir), str(self.db), str(self.port)]
         self.process = subprocess.Popen(
-            [sys.executable, "-c", SERVE, *arguments, self.simulate_key],
+            [sys.executable, "-c", SERVE, *arguments, self.simulate_key, json.dumps(self.options)],
             stdout=subprocess.PIPE,
             stderr=self._errors,
             text=True,
@@ -195,7 +206,7 @@ class Server:
         assert self.process.stdout is not None
         stdout = self.process.stdout
         threading.Thread(target=lambda: lines.put(stdout.readline()), daemon=True).start()
-        self.address = lines.get(timeout=READY_S).strip()
+        self.address, self.admin, *_ = [*lines.get(timeout=READY_S).split(), "", ""]
 
     def kill(self) -> None:
         self.process.kill()
@@ -236,6 +247,51 @@ class Server:
         assert self.process.stdout is not None
         self.process.stdout.close()
         self._errors.close()
+
+
+FULL = STUDY.replace(
+    """trial: {layout: single, replays: 1, fixation_ms: [0, 100], rest_every: 3}
+""",
+    """trial: {layout: single, replays: 1, fixation_ms: [0, 100], rest_every: 3}
+screen: {phone: refuse, refresh: flag, fullscreen: offer, calibration: offer,
+  distance_mm: [300, 600, 1500], px_per_degree: [10, 90], min_viewport_px: [640, 480]}
+practice: {feedback: true, question: plausible, answers: {roll__stiffness-mid__s1: 1}}
+end_questions:
+  - {key: age, kind: category, prompt: {en: Age?}, options: {young: {en: "<40"}, old: {en: "40+"}}}
+  - {key: last, kind: comment, prompt: {en: Anything else?}}
+completion: {code: DONE42, return_url: "https://example.org/complete?cc={code}",
+  partial: {from_share: 0.2, code: PART}, screened_out: {code: OUT}}
+""",
+).replace(
+    """  - {key: fun, kind: slider""",
+    """  - {key: plausible, kind: yes_no, prompt: {en: Possible?}}
+  - {key: laws, kind: checklist, prompt: {en: Laws?}, ask: {if: realism <= 3},
+     items: {gravity: {en: gravity}, solid: {en: solid}}}
+  - {key: where, kind: mark, prompt: {en: Where?}, ask: {if: plausible == 0}, max_marks: 2}
+  - {key: fun, kind: slider""",
+)
+PAIRS = (
+    STUDY.replace("layout: single", "layout: [sequential, side_by_side]")
+    .replace(
+        "questions:\n",
+        "questions:\n  - {key: which, kind: choice, not_sure: true, prompt: {en: Which?}}\n"
+        "  - {key: sure, kind: confidence, points: 3, ask: {if: which != not_sure}}\n",
+    )
+    .replace("never_twice_running: scene", "pairs: {with: reference}")
+    .replace("primary: realism", "primary: which")
+)
+TRACKS = STUDY.replace(
+    "questions:\n",
+    "questions:\n  - {key: plausible, kind: yes_no, prompt: {en: Possible?}}\n",
+).replace(
+    "order: {sampler: random, seed: 7, never_twice_running: scene}",
+    """order:
+  sampler: quest_plus
+  seed: 7
+  question: plausible
+  tracks:
+    - {name: up, factor: size, undistorted: 1, direction: up, scale: ratio, trials: 6}""",
+)
 
 
 def new_id() -> str:

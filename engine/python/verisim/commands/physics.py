@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from verisim.commands.design import design_problems, is_study, print_design
 from verisim.commands.messages import fail, print_json, progress_bar, say
 
 Sets = Annotated[
@@ -68,14 +69,26 @@ def register(app: typer.Typer) -> None:
     @app.command()
     def check(
         file: Annotated[Path, typer.Argument(help="A scene, stimulus set, study or export tree.")],
+        clips: Annotated[
+            Path | None,
+            typer.Option(help="Clips of a study, for its design. Default: out/stimuli/SET."),
+        ] = None,
     ) -> None:
-        """Say everything that is wrong with a scene, set, study or export, at once."""
+        """Say everything that is wrong with a scene, set, study or export, at once.
+
+        Of a study whose clips are there, also prints the design: trials per participant, minutes,
+        how often each clip is shown.
+        """
         problems = _problems(file)
+        if not problems and is_study(file):
+            problems = design_problems(file, clips)
         if problems:
             for problem in problems:
                 say(problem)
             fail(f"{file}: {len(problems)} problem{'s' if len(problems) > 1 else ''}")
         typer.echo(f"{file}: nothing wrong")
+        if is_study(file):
+            print_design(file, clips)
 
 
 def _problems(file: Path) -> list[str]:

@@ -22,6 +22,24 @@ WHEN EXISTS (
 )
 BEGIN SELECT RAISE(ABORT, '{table} rows go only with their participant'); END
 """
+# The same two rules in PostgreSQL's words.
+FINAL_POSTGRESQL = """
+CREATE FUNCTION {table}_never_changes() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN RAISE EXCEPTION '{table} rows are never changed'; END $$;
+CREATE TRIGGER {table}_is_never_changed BEFORE UPDATE ON {table}
+FOR EACH ROW EXECUTE FUNCTION {table}_never_changes()
+"""
+KEPT_POSTGRESQL = """
+CREATE FUNCTION {table}_goes_with_participant() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  IF EXISTS (
+    SELECT 1 FROM {via} JOIN participant USING (participant_id) WHERE {via}_id = OLD.{via}_id
+  ) THEN RAISE EXCEPTION '{table} rows go only with their participant'; END IF;
+  RETURN OLD;
+END $$;
+CREATE TRIGGER {table}_goes_only_with_participant BEFORE DELETE ON {table}
+FOR EACH ROW EXECUTE FUNCTION {table}_goes_with_participant()
+"""
 
 
 def upgrade() -> None:
@@ -467,5 +485,9 @@ def upgrade() -> None:
     op.create_index("response_by_presentation", "response", ["presentation_id"], unique=False)
 
     for table, via in (("response", "trial"), ("submission", "session")):
+        if op.get_bind().dialect.name == "postgresql":
+            op.execute(FINAL_POSTGRESQL.format(table=table))
+            op.execute(KEPT_POSTGRESQL.format(table=table, via=via))
+            continue
         op.execute(FINAL.format(table=table))
         op.execute(KEPT.format(table=table, via=via))
