@@ -8,7 +8,7 @@ import sqlite3
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from verisim.study.problems import refuse
+from verisim.study.problems import StudyError, refuse
 from verisim.study.server.database import check_is_ours
 
 PAGES_AT_ONCE = 500  # the writer gets its turn between two helpings
@@ -62,7 +62,12 @@ def expire(folder: Path, stem: str, keep_days: int) -> list[Path]:
 
 def find_damage(db: Path) -> list[str]:
     """Returns what is wrong inside a database file: broken pages, rows that lead nowhere."""
-    check_is_ours(db)
+    try:
+        check_is_ours(db)
+    except StudyError as error:
+        if isinstance(error.__cause__, sqlite3.DatabaseError):
+            return [str(error.__cause__)]
+        raise
     connection = sqlite3.connect(f"{db.resolve().as_uri()}?mode=ro", uri=True)
     try:
         faults = [row[0] for row in connection.execute("PRAGMA integrity_check(20)")]
