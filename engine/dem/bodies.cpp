@@ -24,7 +24,7 @@ void size_wrenches(Wrenches& wrenches, std::size_t count) {
   wrenches.torque.assign(count, Eigen::Vector3d::Zero());
 }
 
-void add_body(Bodies& bodies, const BodyDefinition& body) {
+void add_body(Bodies& bodies, const BodyDefinition& body, bool has_particles) {
   Pose pose = body.initial;
   if (body.motion == Motion::kPrescribed) pose = pose_at(body.prescribed, 0);
   if (body.motion == Motion::kFixed) {
@@ -51,8 +51,8 @@ void add_body(Bodies& bodies, const BodyDefinition& body) {
     reach = std::max(reach, offset.norm());
   }
   bodies.reach.push_back(reach);
-  bodies.first_particle.push_back(bodies.first_particle.back() +
-                                  static_cast<int>(body.particle_offsets_b.size()));
+  const std::size_t num_particles = has_particles ? body.particle_offsets_b.size() : 0;
+  bodies.first_particle.push_back(bodies.first_particle.back() + static_cast<int>(num_particles));
   bodies.prescribed.push_back(body.prescribed);
 }
 
@@ -61,7 +61,8 @@ void add_body(Bodies& bodies, const BodyDefinition& body) {
 Bodies make_bodies(const WorldDefinition& definition) {
   Bodies bodies;
   bodies.first_particle.push_back(0);
-  for (const BodyDefinition& body : definition.bodies) add_body(bodies, body);
+  const bool has_particles = definition.method == Method::kSeed;
+  for (const BodyDefinition& body : definition.bodies) add_body(bodies, body, has_particles);
   for (Wrenches* wrenches : {&bodies.total, &bodies.damping, &bodies.friction, &bodies.outside}) {
     size_wrenches(*wrenches, definition.bodies.size());
   }

@@ -24,8 +24,10 @@ struct Metrics {
   double energy_scale_j = 0;                 // max kinetic + range of potential + max elastic
   double momentum_residual_rel = 0;          // linear, over the sum of |impulse|
   double angular_momentum_residual_rel = 0;  // about the origin, over the sum of |its impulse|
-  long num_particles = 0;
-  long max_contacts = 0;  // particle contacts at one time
+  double energy_rise_j = 0;                  // largest of one implicit step that nothing put in
+  long num_particles = 0;                    // of method seed
+  long num_samples = 0;                      // surface points of method dem
+  long max_contacts = 0;                     // particle contacts at one time
 };
 
 enum class ContactChange { kBegin, kEnd };

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "dem/failures.h"
+#include "dem/surface_contacts.h"
 
 namespace verisim::dem {
 namespace {
@@ -136,8 +137,9 @@ RunResult run(World& world, const RunOptions& options) {
   result.metrics = metrics_of(world);
   result.failures = watch.failures();
   if (!result.failures.empty()) result.failed = result.failures.front();
-  result.steps = done;
-  result.dt = dt;
+  result.steps = world.surfaces ? world.surfaces->num_steps() : done;
+  result.dt =
+      world.surfaces && world.surfaces->least_step() > 0 ? world.surfaces->least_step() : dt;
   return result;
 }
 

@@ -2,6 +2,7 @@
 // One step, as a list of its phases.
 #include "dem/advance.h"
 #include "dem/forces.h"
+#include "dem/surface_contacts.h"
 #include "dem/world.h"
 
 namespace verisim::dem {
@@ -9,6 +10,7 @@ namespace verisim::dem {
 StepReport step(World& world) {
   StepReport report;
   if (world.halted) return report;
+  if (world.surfaces) return step_surfaces(world);
   const double dt = world.parameters.dt;
   // `seed` lets the forces act for the whole step at once, rkmk4 half before and half after.
   const bool kicks_twice = world.parameters.integrator == Integrator::kRkmk4;

@@ -14,11 +14,18 @@ namespace verisim::dem {
 /// How a body moves: by forces, not at all, or along given poses whatever pushes it.
 enum class Motion { kFree, kFixed, kPrescribed };
 
+/// How contact is modelled. Scene names: "dem", "seed".
+enum class Method { kDem, kSeed };
+
 /// How time advances. Scene names: "seed", "rkmk4".
 enum class Integrator { kSeed, kRkmk4 };
 
 constexpr std::string_view to_string(Integrator integrator) {
   return integrator == Integrator::kSeed ? "seed" : "rkmk4";
+}
+
+constexpr std::string_view to_string(Method method) {
+  return method == Method::kDem ? "dem" : "seed";
 }
 
 }  // namespace verisim::dem

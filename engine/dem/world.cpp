@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "dem/forces.h"
+#include "dem/surface_contacts.h"
 
 namespace verisim::dem {
 namespace {
@@ -26,7 +27,12 @@ void change_and_book(World& world, const Change& change) {
   Balance& balance = world.balance;
   const double before = balance.energy();
   change();
-  world.halted = evaluate_forces(world, 0) >= 0;
+  if (world.surfaces) {
+    world.surfaces->take_parameters(world);
+    book_surfaces(world);
+  } else {
+    world.halted = evaluate_forces(world, 0) >= 0;
+  }
   if (world.halted) return;
   balance.outside_work += balance.energy() - before;
 }
@@ -49,10 +55,17 @@ World make_world(const WorldDefinition& definition) {
   for (const BodyDefinition& body : definition.bodies) world.names.push_back(body.name);
   world.planes = definition.planes;
   for (PlaneDefinition& plane : world.planes) plane.normal.normalize();
-  world.parameters = {definition.gravity, definition.seed, definition.integrator, definition.dt};
+  world.parameters = {definition.method,     definition.gravity, definition.seed,
+                      definition.integrator, definition.dem,     definition.dt};
   world.bodies = make_bodies(definition);
-  world.particles = make_particles(definition);
+  if (definition.method == Method::kSeed) world.particles = make_particles(definition);
   world.pool = std::make_unique<ThreadPool>(definition.num_threads);
+  if (definition.method == Method::kDem) {
+    world.surfaces = std::make_unique<SurfaceContacts>(definition);
+    book_surfaces(world);
+    open_books(world.balance);
+    return world;
+  }
   const int num_threads = world.pool->num_threads();
   world.neighbours = make_neighbours(world.bodies, world.particles, num_threads);
   world.rows = make_rows(world.bodies.count(), world.particles.count());
@@ -145,6 +158,10 @@ Metrics metrics_of(const World& world) {
       (balance.angular_momentum - balance.angular_momentum_start - balance.angular_impulse).norm(),
       balance.angular_impulse_size);
   metrics.num_particles = world.particles.count();
+  if (world.surfaces) {
+    metrics.energy_rise_j = world.surfaces->largest_energy_rise();
+    metrics.num_samples = world.surfaces->num_samples();
+  }
   metrics.max_contacts = balance.max_contacts;
   return metrics;
 }

@@ -31,11 +31,15 @@ struct Drag {
 
 /// Values that may change between steps; use the set_ functions, they keep the books.
 struct Parameters {
+  Method method;
   Eigen::Vector3d gravity;  // m/s^2
   SeedSettings seed;
   Integrator integrator;
-  double dt;  // s
+  DemSettings dem;
+  double dt;  // s; of `dem` the frame, within which islands choose their own steps
 };
+
+class SurfaceContacts;
 
 struct World {
   // In world.cpp: written out at every use they would cost minutes of compilation.
@@ -62,6 +66,7 @@ struct World {
   ContactBook contacts;   // which bodies touch, and this step's events
   Balance balance;        // energies, work and momentum so far
   std::unique_ptr<ThreadPool> pool;
+  std::unique_ptr<SurfaceContacts> surfaces;  // of method `dem`
 };
 
 /// What one step saw.

@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "dem/run.h"
+#include "dem/surface_contacts.h"
 #include "python/module.h"
 #include "scene/build_world.h"
 
@@ -75,7 +76,12 @@ nb::dict metrics_dict(const dem::Metrics& metrics) {
   d["energy_residual_rel"] = metrics.energy_residual_rel;
   d["momentum_residual_rel"] = metrics.momentum_residual_rel;
   d["angular_momentum_residual_rel"] = metrics.angular_momentum_residual_rel;
-  d["num_particles"] = metrics.num_particles;
+  d["energy_rise_j"] = metrics.energy_rise_j;
+  if (metrics.num_samples > 0) {
+    d["num_samples"] = metrics.num_samples;
+  } else {
+    d["num_particles"] = metrics.num_particles;
+  }
   d["max_contacts"] = metrics.max_contacts;
   return d;
 }
@@ -130,15 +136,30 @@ nb::list body_list(const dem::World& world) {
 
 nb::dict parameters_dict(const scene::Scene& scene, const dem::WorldDefinition& world) {
   nb::dict d;
-  d["method"] = scene.physics.method;
-  d["integrator"] = std::string(dem::to_string(world.integrator));
+  d["method"] = std::string(dem::to_string(scene.physics.method));
   d["dt_s"] = world.dt;
+  if (world.method == dem::Method::kDem) {
+    d["integrator"] = world.dem.rests_implicitly ? "hybrid" : "explicit";
+    d["steps_per_contact"] = world.dem.steps_per_contact;
+    return d;
+  }
+  d["integrator"] = std::string(dem::to_string(world.integrator));
   d["stiffness_n_m"] = world.seed.stiffness;
   d["damping_ratio"] = world.seed.damping_ratio;
   d["tangential_damping_ratio"] = world.seed.tangential_damping_ratio;
   // One size only where the scene names one; otherwise each body has its own default.
   d["particle_size_m"] =
       scene.physics.particle_size ? nb::cast(*scene.physics.particle_size) : nb::object(nb::none());
+  return d;
+}
+
+/// What method dem chose from what the scene allows; none for seed.
+nb::object chosen_dict(const dem::World& world) {
+  if (!world.surfaces) return nb::none();
+  const dem::Chosen chosen = world.surfaces->chosen();
+  nb::dict d;
+  d["max_penetration_m"] = chosen.max_penetration;
+  d["predicted_penetration_m"] = chosen.rest_depth;
   return d;
 }
 
@@ -189,6 +210,7 @@ nb::object simulate(const scene::Scene& scene, std::optional<double> sample_inte
   run.attr("events") = event_list(result.events, *world);
   run.attr("bodies") = body_list(*world);
   run.attr("parameters") = parameters_dict(scene, built.world);
+  run.attr("chosen") = chosen_dict(*world);
   return run;
 }
 

@@ -57,7 +57,9 @@ void set_prescribed(scene::Scene& scene, const std::string& name, const Times& t
 void bind_scene(nb::module_& m) {
   nb::class_<scene::Scene>(m, "Scene")
       .def_prop_ro("name", [](const scene::Scene& s) { return s.name; })
-      .def_prop_ro("method", [](const scene::Scene& s) { return s.physics.method; })
+      .def_prop_ro(
+          "method",
+          [](const scene::Scene& s) { return std::string(dem::to_string(s.physics.method)); })
       .def_ro("duration_s", &scene::Scene::duration)
       .def_ro("frame_rate_hz", &scene::Scene::frame_rate)
       .def_ro("resolved_yaml", &scene::Scene::resolved_yaml)

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "scene/build_world.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <map>
+#include <memory>
 
 #include "dem/defaults.h"
+#include "scene/contact_geometry.h"
 #include "scene/problem.h"
 #include "shape/check_mesh.h"
 #include "shape/extents.h"
@@ -18,6 +22,7 @@ namespace verisim::scene {
 namespace {
 
 constexpr int kSphereSubdivisions = 4;     // 5120 triangles: round at 1280x720
+constexpr double kLongestStep = 1.0 / 60;  // s, of method dem
 constexpr double kParticlesPerExtent = 4;  // default particle size: a quarter of the body
 
 // A shape with everything bodies share that have it. Frame: body axes, origin at the centre of
@@ -26,6 +31,7 @@ struct Solid {
   shape::MassProperties mass;  // unit density
   shape::Mesh mesh;
   double smallest_extent = 0;              // m
+  dem::CollisionShape shape;               // method dem
   std::vector<Eigen::Vector3d> particles;  // m
   double particle_radius = 0;              // m
 };
@@ -42,32 +48,49 @@ void set_particles(shape::ParticleFill particles, Solid& solid) {
   solid.particle_radius = particles.radius;
 }
 
+std::shared_ptr<const dem::MeshSurface> surface_of(const shape::Mesh& mesh_from_com) {
+  return std::make_shared<const dem::MeshSurface>(
+      make_mesh_surface(mesh_from_com, default_sample_spacing(mesh_from_com)));
+}
+
 Solid make_sphere(double radius) {
   Solid solid;
   solid.mass = shape::sphere_mass_properties(radius);
   solid.mesh = shape::sphere_mesh(radius, kSphereSubdivisions);
   solid.smallest_extent = 2 * radius;
+  solid.shape = dem::SphereShape{radius};
   solid.particles = {Eigen::Vector3d::Zero()};
   solid.particle_radius = radius;
   return solid;
 }
 
-Solid make_box(const Eigen::Vector3d& edges, const std::optional<double>& particle_size) {
+Solid make_box(const Eigen::Vector3d& edges, const Physics& physics, bool meets_meshes) {
   Solid solid;
   solid.mass = shape::box_mass_properties(edges);
   solid.mesh = shape::box_mesh(edges);
   solid.smallest_extent = edges.minCoeff();
-  const double size = particle_size.value_or(solid.smallest_extent / kParticlesPerExtent);
+  if (physics.method == dem::Method::kDem) {
+    dem::BoxShape box{0.5 * edges, nullptr};
+    if (meets_meshes) box.surface = surface_of(solid.mesh);
+    solid.shape = box;
+    return solid;
+  }
+  const double size = physics.particle_size.value_or(solid.smallest_extent / kParticlesPerExtent);
   set_particles(shape::fill_box(edges, size), solid);
   return solid;
 }
 
-Solid make_mesh_solid(const ShapeSpec& spec, const std::optional<double>& particle_size) {
+Solid make_mesh_solid(const ShapeSpec& spec, const Physics& physics) {
   Solid solid;
   solid.mesh = load_solid_mesh(spec);
   solid.mass = shape::mesh_mass_properties(solid.mesh);
   solid.smallest_extent = shape::smallest_extent(solid.mesh);
-  const double size = particle_size.value_or(solid.smallest_extent / kParticlesPerExtent);
+  if (physics.method == dem::Method::kDem) {
+    for (Eigen::Vector3d& vertex : solid.mesh.vertices) vertex -= solid.mass.center_of_mass;
+    solid.shape = dem::MeshShape{surface_of(solid.mesh)};
+    return solid;
+  }
+  const double size = physics.particle_size.value_or(solid.smallest_extent / kParticlesPerExtent);
   shape::ParticleFill particles = shape::fill_mesh(solid.mesh, size);
   if (particles.centers.empty()) {
     throw shape::MeshError("no particle of " + std::to_string(size) +
@@ -79,16 +102,16 @@ Solid make_mesh_solid(const ShapeSpec& spec, const std::optional<double>& partic
   return solid;
 }
 
-Solid make_solid(const ShapeSpec& spec, const std::optional<double>& particle_size) {
+Solid make_solid(const ShapeSpec& spec, const Physics& physics, bool meets_meshes) {
   switch (spec.kind) {
     case ShapeKind::kSphere:
       return make_sphere(spec.radius);
     case ShapeKind::kBox:
-      return make_box(spec.box, particle_size);
+      return make_box(spec.box, physics, meets_meshes);
     case ShapeKind::kMesh:
       break;
   }
-  return make_mesh_solid(spec, particle_size);
+  return make_mesh_solid(spec, physics);
 }
 
 std::string key_of(const ShapeSpec& spec) {
@@ -108,6 +131,7 @@ dem::BodyDefinition body_definition(const Body& body, const Solid& solid, double
   definition.inertia_b = density * solid.mass.inertia;
   definition.initial = body.initial;
   definition.material = body.material;
+  definition.shape = solid.shape;
   definition.particle_offsets_b = solid.particles;
   definition.particle_radius = solid.particle_radius;
   definition.size = solid.smallest_extent;
@@ -115,8 +139,39 @@ dem::BodyDefinition body_definition(const Body& body, const Solid& solid, double
   return definition;
 }
 
+double pair_mean(double a, double b) { return std::sqrt(a * b); }
+
+dem::MaterialPairs material_pairs(const Scene& scene) {
+  dem::MaterialPairs pairs;
+  pairs.count = static_cast<int>(scene.materials.size());
+  for (const Material& a : scene.materials) {
+    for (const Material& b : scene.materials) {
+      pairs.restitution.push_back(pair_mean(a.restitution, b.restitution));
+      pairs.friction.push_back(pair_mean(a.friction, b.friction));
+    }
+  }
+  for (const MaterialPair& own : scene.material_pairs) {
+    for (const std::size_t k : {pairs.at(own.a, own.b), pairs.at(own.b, own.a)}) {
+      if (own.restitution) pairs.restitution[k] = *own.restitution;
+      if (own.friction) pairs.friction[k] = *own.friction;
+    }
+  }
+  return pairs;
+}
+
 void choose_parameters(const Physics& physics, dem::WorldDefinition& world) {
-  world.integrator = physics.integrator;
+  world.method = physics.method;
+  if (physics.method == dem::Method::kDem) {
+    world.integrator = dem::Integrator::kRkmk4;
+    world.dem.rests_implicitly = physics.integrator != "explicit";
+    world.dem.max_penetration = physics.max_penetration.value_or(0);
+    world.dem.stiffness = physics.stiffness.value_or(0);
+    if (physics.steps_per_contact) world.dem.steps_per_contact = *physics.steps_per_contact;
+    world.dt = physics.dt.value_or(kLongestStep);
+    return;
+  }
+  world.integrator =
+      physics.integrator == "rkmk4" ? dem::Integrator::kRkmk4 : dem::Integrator::kSeed;
   world.seed = dem::default_seed_settings(world);
   if (physics.stiffness) world.seed.stiffness = *physics.stiffness;
   world.seed.damping_ratio = physics.damping_ratio;
@@ -131,11 +186,15 @@ BuiltScene build_world(const Scene& scene) {
   std::vector<Problem> problems;
   std::map<std::string, Solid> solids;
   built.world.gravity = scene.gravity;
+  built.world.material_pairs = material_pairs(scene);
+  const bool has_mesh = std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const Body& body) {
+    return body.shape.kind == ShapeKind::kMesh;
+  });
   for (const Body& body : scene.bodies) {
     const std::string key = key_of(body.shape);
     if (!solids.contains(key)) {
       try {
-        solids[key] = make_solid(body.shape, scene.physics.particle_size);
+        solids[key] = make_solid(body.shape, scene.physics, has_mesh);
       } catch (const shape::MeshError& error) {
         problems.push_back({scene.file.string(), "bodies." + body.name + ".shape", error.what(),
                             "a closed, solid shape", ""});

@@ -163,40 +163,60 @@ std::vector<Key> physics_keys() {
   return {
       {.name = "method",
        .kind = Kind::kChoice,
-       .description = "Contact method. seed: particles with springs and dashpots, as in the "
-                      "source paper.",
-       .default_text = "seed",
-       .choices = {"seed"}},
+       .description = "Contact method. dem: surfaces, springs chosen from the penetration allowed, "
+                      "restitution and Coulomb friction of the materials. seed: particles with "
+                      "springs and dashpots, as in the source paper.",
+       .default_text = "dem",
+       .choices = {"dem", "seed"}},
       {.name = "integrator",
        .kind = Kind::kChoice,
-       .description = "seed: semi-implicit Euler with an Euler quaternion step. rkmk4: "
-                      "kick-drift-kick with a fourth-order rotation.",
-       .default_text = "seed",
-       .choices = {"seed", "rkmk4"}},
+       .description =
+           "Of dem: hybrid (impacts in explicit steps, rest in implicit ones) or explicit "
+           "(explicit steps throughout). Of seed: seed (semi-implicit Euler with an "
+           "Euler quaternion step) or rkmk4 (kick-drift-kick with a fourth-order "
+           "rotation).",
+       .default_text = "hybrid with dem, seed with seed",
+       .choices = {"hybrid", "explicit", "seed", "rkmk4"}},
+      {.name = "max_penetration_m",
+       .kind = Kind::kNumber,
+       .description = "Overlap that method dem may allow, m: it chooses stiffness and steps by it.",
+       .default_text = "0.1 % of the smallest free body",
+       .above = 0},
+      {.name = "steps_per_contact",
+       .kind = Kind::kInteger,
+       .description = "Explicit steps of method dem in one elastic impact.",
+       .default_text = "40",
+       .at_least = 6,
+       .at_most = 1000},
       {.name = "particle_size_m",
        .kind = Kind::kNumber,
-       .description = "Particle diameter of boxes and meshes, m. A ball is always one particle.",
+       .description = "Method seed: particle diameter of boxes and meshes, m. A ball is always one "
+                      "particle.",
        .default_text = "a quarter of the body's smallest extent",
        .above = 0},
       {.name = "dt_s",
        .kind = Kind::kNumber,
-       .description = "Time step, s.",
-       .default_text = "from the stiffest contact",
+       .description = "Of seed: time step, s. Of dem: longest step, s; impacts choose their own.",
+       .default_text = "seed: from the stiffest contact; dem: 1/60 s",
        .above = 0},
       {.name = "stiffness_n_m",
        .kind = Kind::kNumber,
-       .description = "Normal spring of one particle contact, N/m.",
-       .default_text = "from the heaviest load",
+       .description = "Normal spring of one contact, N/m; with dem every contact's, whatever "
+                      "its load.",
+       .default_text =
+           "seed: from the heaviest load; dem: each contact's own, from impact and load",
        .above = 0},
       {.name = "damping_ratio",
        .kind = Kind::kNumber,
-       .description = "Normal dashpot of one particle contact, as a share of critical damping of "
-                      "the two particles.",
+       .description =
+           "Method seed: normal dashpot of one particle contact, as a share of critical damping of "
+           "the two particles.",
        .default_text = "1",
        .at_least = 0},
       {.name = "tangential_damping_ratio",
        .kind = Kind::kNumber,
-       .description = "Viscous tangential coefficient, as a share of the same critical value.",
+       .description =
+           "Method seed: viscous tangential coefficient, as a share of the same critical value.",
        .default_text = "0.5",
        .at_least = 0},
   };

@@ -198,10 +198,28 @@ class Reader {
     const YAML::Node node = root_["physics"];
     if (!node) return;
     Physics& physics = scene_.physics;
-    read(node["method"], physics.method);
-    if (node["integrator"] && node["integrator"].Scalar() == "rkmk4") {
-      physics.integrator = dem::Integrator::kRkmk4;
+    if (node["method"] && node["method"].Scalar() == "seed") physics.method = dem::Method::kSeed;
+    read(node["integrator"], physics.integrator);
+    read(node["max_penetration_m"], physics.max_penetration);
+    if (node["steps_per_contact"]) {
+      physics.steps_per_contact = node["steps_per_contact"].as<int>();
     }
+    const bool is_seed = physics.method == dem::Method::kSeed;
+    const bool is_of_seed = physics.integrator == "seed" || physics.integrator == "rkmk4";
+    if (!physics.integrator.empty() && is_of_seed != is_seed) {
+      add("physics.integrator", node["integrator"],
+          is_seed ? "one of: seed, rkmk4 (method seed)" : "one of: hybrid, explicit (method dem)");
+    }
+    const auto belongs_to = [&](const char* key, bool holds, const char* method) {
+      if (node[key] && !holds) {
+        add(std::string("physics.") + key, node[key], std::string("only with method: ") + method);
+      }
+    };
+    belongs_to("particle_size_m", is_seed, "seed");
+    belongs_to("damping_ratio", is_seed, "seed");
+    belongs_to("tangential_damping_ratio", is_seed, "seed");
+    belongs_to("max_penetration_m", !is_seed, "dem");
+    belongs_to("steps_per_contact", !is_seed, "dem");
     read(node["particle_size_m"], physics.particle_size);
     read(node["dt_s"], physics.dt);
     read(node["stiffness_n_m"], physics.stiffness);

@@ -52,11 +52,15 @@ struct Ground {
 
 /// Physics as named in the file; what is absent is chosen when the world is built.
 struct Physics {
-  std::string method = "seed";
-  dem::Integrator integrator = dem::Integrator::kSeed;
+  dem::Method method = dem::Method::kDem;
+  std::string integrator;               // empty: the method's own default
   std::optional<double> particle_size;  // m
   std::optional<double> dt;             // s
   std::optional<double> stiffness;      // N/m
+  // Method dem.
+  std::optional<double> max_penetration;  // m
+  std::optional<int> steps_per_contact;
+  // Method seed.
   double damping_ratio = 1;
   double tangential_damping_ratio = 0.5;
 };

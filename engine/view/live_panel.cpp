@@ -157,7 +157,8 @@ void draw_physics(LiveScene& live, const Ranges& ranges, Controls& controls) {
                     ranges.particle_size_high, size ? "m" : "m (chosen)", kByPowers},
                    size.value_or(ranges.particle_size_high / 4), controls);
   }
-  choice(live, "Method", "method", live.scene().physics.method, Effect::kRestarts, controls);
+  choice(live, "Method", "method", std::string(dem::to_string(live.scene().physics.method)),
+         Effect::kRestarts, controls);
 }
 
 void save(LiveScene& live, Controls& controls) {

@@ -19,7 +19,7 @@ materials: {rubber: {density_kg_m3: 1000}}
 bodies:
   - {name: ball, shape: {sphere_radius_m: 0.1}, material: rubber, position_m: [0, 0, 0.4]}
 ground: {plane: {normal: [0, 0, 1], offset_m: 0}, material: rubber}
-physics: {dt_s: 1e-4, stiffness_n_m: 2e4, damping_ratio: 0}
+physics: {method: seed, dt_s: 1e-4, stiffness_n_m: 2e4, damping_ratio: 0}
 """
 
 

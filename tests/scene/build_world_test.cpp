@@ -28,6 +28,7 @@ bodies:
   - {name: box, shape: {box_m: [0.2, 0.4, 0.1]}, material: wood, position_m: [1, 0, 0.05]}
   - {name: fox, shape: {mesh: MESH, scale: 0.5}, material: wood, position_m: [3, 0, 1]}
 ground: {plane: {normal: [0, 0, 1]}, material: wood}
+physics: {method: seed}
 )";
 
 std::filesystem::path write_scene(const std::string& mesh) {
@@ -87,11 +88,54 @@ TEST_CASE("what_a_scene_names_is_used_and_the_rest_is_chosen") {
   CHECK(chosen.world.dt > 0);
   CHECK(chosen.world.seed.stiffness > 0);
   const BuiltScene named =
-      build({"physics={dt_s: 1e-5, stiffness_n_m: 123, damping_ratio: 0.3, integrator: rkmk4}"});
+      build({"physics={method: seed, dt_s: 1e-5, stiffness_n_m: 123, damping_ratio: 0.3, "
+             "integrator: rkmk4}"});
   CHECK(named.world.dt == 1e-5);
   CHECK(named.world.seed.stiffness == 123);
   CHECK(named.world.seed.damping_ratio == 0.3);
   CHECK(named.world.integrator == verisim::dem::Integrator::kRkmk4);
+}
+
+TEST_CASE("a_scene_that_names_no_method_has_surfaces_and_no_particles") {
+  using namespace verisim::dem;
+  const WorldDefinition world = build({"physics={}"}).world;
+  CHECK(world.method == Method::kDem);
+  CHECK(world.dem.rests_implicitly);
+  CHECK(world.dem.steps_per_contact == 40);
+  CHECK(world.dem.max_penetration == 0);  // chosen when the world is made
+  for (const BodyDefinition& body : world.bodies) {
+    CHECK((body.particle_offsets_b.empty() || body.shape.index() == 1));
+  }
+  CHECK(std::get<SphereShape>(world.bodies[0].shape).radius == 0.05);
+  CHECK(std::get<BoxShape>(world.bodies[1].shape).half == Eigen::Vector3d(0.1, 0.2, 0.05));
+  // A box meets the mesh by its surface points, in a scene with a mesh.
+  CHECK(std::get<BoxShape>(world.bodies[1].shape).surface != nullptr);
+  CHECK(std::get<MeshShape>(world.bodies[2].shape).surface != nullptr);
+
+  const WorldDefinition named =
+      build({"physics={integrator: explicit, max_penetration_m: 1e-5, steps_per_contact: 20}"})
+          .world;
+  CHECK_FALSE(named.dem.rests_implicitly);
+  CHECK(named.dem.max_penetration == 1e-5);
+  CHECK(named.dem.steps_per_contact == 20);
+}
+
+TEST_CASE("a_pair_of_materials_has_the_geometric_mean_unless_the_scene_says_otherwise") {
+  const std::vector<std::string> two = {
+      "physics={}",
+      "materials={wood: {density_kg_m3: 700, restitution: 0.9, friction: 0.2},"
+      " ice: {density_kg_m3: 900, restitution: 0.4, friction: 0.05}}"};
+  const auto pairs = build(two).world.material_pairs;
+  REQUIRE(pairs.count == 2);
+  CHECK(pairs.restitution[pairs.at(0, 0)] == doctest::Approx(0.9));
+  CHECK(pairs.restitution[pairs.at(0, 1)] == doctest::Approx(0.6));
+  CHECK(pairs.friction[pairs.at(1, 0)] == doctest::Approx(0.1));
+  std::vector<std::string> own = two;
+  own.emplace_back("material_pairs=[{materials: [ice, wood], restitution: 0.1}]");
+  const auto named = build(own).world.material_pairs;
+  CHECK(named.restitution[named.at(0, 1)] == 0.1);
+  CHECK(named.restitution[named.at(1, 0)] == 0.1);
+  CHECK(named.friction[named.at(0, 1)] == doctest::Approx(0.1));
 }
 
 TEST_CASE("a_mesh_that_is_no_solid_names_the_body_and_the_fault") {

@@ -110,6 +110,22 @@ TEST_CASE("meaning_is_checked_after_form") {
   CHECK(problems[2].key == "expect.stands");
 }
 
+TEST_CASE("a_key_of_the_other_method_is_refused") {
+  const std::vector<Problem> of_seed = problems_of(replaced(
+      kGood, "{dt_s: 1e-4}", "{particle_size_m: 0.1, damping_ratio: 1, integrator: seed}"));
+  REQUIRE(of_seed.size() == 3);
+  CHECK(of_seed[0].key == "physics.integrator");
+  CHECK(of_seed[0].allowed == "one of: hybrid, explicit (method dem)");
+  CHECK(of_seed[1].key == "physics.particle_size_m");
+  CHECK(of_seed[1].allowed == "only with method: seed");
+  CHECK(of_seed[2].key == "physics.damping_ratio");
+  const std::vector<Problem> of_dem = problems_of(replaced(
+      kGood, "{dt_s: 1e-4}", "{method: seed, max_penetration_m: 1e-4, integrator: hybrid}"));
+  REQUIRE(of_dem.size() == 2);
+  CHECK(of_dem[0].allowed == "one of: seed, rkmk4 (method seed)");
+  CHECK(of_dem[1].allowed == "only with method: dem");
+}
+
 TEST_CASE("a_key_written_twice_is_an_error") {
   const std::vector<Problem> problems =
       problems_of(replaced(kGood, "duration_s: 2", "duration_s: 2\nduration_s: 3"));

@@ -17,7 +17,7 @@ bodies:
   - {{name: post, shape: {{sphere_radius_m: 0.1}}, material: rubber, position_m: [1, 0, 0.1],
      motion: fixed}}
 ground: {{plane: {{normal: [0, 0, 1], offset_m: 0}}, material: rubber}}
-physics: {{stiffness_n_m: 5000, dt_s: 1.0e-3, damping_ratio: 0.1}}
+physics: {{method: seed, stiffness_n_m: 5000, dt_s: 1.0e-3, damping_ratio: 0.1}}
 """
 
 BALL_SET = """\

@@ -27,6 +27,7 @@ bodies:
   - {name: ball, shape: {sphere_radius_m: 0.1}, material: wood, position_m: [0, 0, 1]}
   - {name: box, shape: {box_m: [0.2, 0.2, 0.2]}, material: wood, position_m: [1, 0, 0.12]}
 ground: {plane: {normal: [0, 0, 1], offset_m: 0}, material: wood}
+physics: {method: seed}
 )";
 
 /// A scene file in a folder of its own, gone at the end.

@@ -29,7 +29,7 @@ bodies:
   - {name: ball, shape: {sphere_radius_m: 0.12}, material: wood, position_m: [-0.3, 0, 0.9]}
   - {name: box, shape: {box_m: [0.3, 0.3, 0.3]}, material: wood, position_m: [0.3, 0, 0.16]}
 ground: {plane: {normal: [0, 0, 1], offset_m: 0}, material: wood}
-physics: {stiffness_n_m: 1.0e+4}
+physics: {method: seed, stiffness_n_m: 1.0e+4}
 camera: {position_m: [0, -3, 0.8], look_at_m: [0, 0, 0.45], fov_deg: 34}
 """
 

@@ -132,6 +132,8 @@ def simulate(
         "failed": result.failed,
         "state_hash": hashlib.sha256(result.final_state.astype("<f8").tobytes()).hexdigest(),
         "metrics": result.metrics,
+        "chosen": result.chosen,
+        "events": result.events,
         "bodies": result.bodies,
     }
     return Run(summary, poses, result.events, result.parameters)

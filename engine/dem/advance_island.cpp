@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// Which kind of step an island takes next.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "dem/contact_tracking.h"
+#include "dem/explicit_step.h"
+#include "dem/island.h"
+#include "dem/rest_step.h"
+
+namespace verisim::dem {
+namespace {
+
+// An approach faster than this many times the fall through the depth of rest is an impact: it
+// rebounds by more than the depth that the scene allows.
+constexpr double kImpact = 3;
+constexpr double kCalm = 1.5;  // an island in impact rests again when all is slower than this
+// Pairs with less restitution rebound out of sight: their impacts are steps like any other.
+constexpr double kPlastic = 0.05;
+// Explicit steps between two looks at whether an island has come to rest.
+constexpr int kStepsBetweenLooks = 16;
+// An implicit step is not cut below this share of the frame; explicit steps take over.
+constexpr double kShortestRestStep = 1.0 / 64;
+constexpr double kOnTime = 1e-12;  // of a frame
+
+bool has_contact(const Island& island) {
+  return std::any_of(island.pairs.begin(), island.pairs.end(),
+                     [](const LocalPair& local) { return local.pair.is_touching; });
+}
+
+/// Fastest approach, or parting in a spring still compressed, at points that meet within
+/// `duration`.
+double impact_speed(LocalPair& local, Island& island, double duration,
+                    const ContactSettings& settings) {
+  const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
+  const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
+  const double g = settings.gravity.norm();
+  const double bound = (a.velocity - b.velocity).norm() + a.spin.norm() * a.reach +
+                       b.spin.norm() * b.reach + g * duration;
+  if (local.pair.gap > bound * duration) return 0;
+  look_at(local, island.bodies, bound * duration + settings.impact_depth);
+  double fastest = 0;
+  for (const ContactPoint& point : local.pair.points) {
+    const double speed = closing_speed(local, island.bodies, point);
+    if (point.depth > 0) {
+      fastest = std::max(fastest, std::abs(speed));
+      continue;
+    }
+    const double pull = (a.is_free() != b.is_free()) ? g : 0;
+    const double at_touch = speed * speed + 2 * pull * -point.depth;
+    const double time = speed > 0 ? -point.depth / speed : std::numeric_limits<double>::infinity();
+    const bool meets =
+        time < duration || (pull > 0 && speed + pull * duration > 0 &&
+                            speed * duration + 0.5 * pull * duration * duration > -point.depth);
+    if (meets) fastest = std::max(fastest, std::sqrt(std::max(0.0, at_touch)));
+  }
+  return fastest;
+}
+
+bool has_impact(Island& island, double duration, double speed, const ContactSettings& settings) {
+  for (LocalPair& local : island.pairs) {
+    if (local.pair.law.restitution < kPlastic) continue;
+    if (impact_speed(local, island, duration, settings) > speed) return true;
+  }
+  return false;
+}
+
+/// Longest implicit step (s) over which the gaps of turning and curved surfaces are straight to
+/// within the depth of rest.
+double straight_step(const Island& island, const ContactSettings& settings) {
+  double longest = std::numeric_limits<double>::infinity();
+  for (const LocalPair& local : island.pairs) {
+    if (!local.pair.is_touching) continue;
+    const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
+    const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
+    for (const BodyState* body : {&a, &b}) {
+      if (!body->is_free() || std::holds_alternative<SphereShape>(*body->shape)) continue;
+      const double bend = body->spin.squaredNorm() * body->reach;  // m/s^2
+      if (bend > 0) longest = std::min(longest, std::sqrt(2 * settings.rest_depth / bend));
+    }
+    const auto* ball_a = std::get_if<SphereShape>(a.shape);
+    if (ball_a == nullptr || std::holds_alternative<PlaneShape>(*b.shape)) continue;
+    const auto* ball_b = std::get_if<SphereShape>(b.shape);
+    const double radius = ball_a->radius + (ball_b != nullptr ? ball_b->radius : 0);
+    const double bend = (a.velocity - b.velocity).squaredNorm() / radius;
+    if (bend > 0) longest = std::min(longest, std::sqrt(2 * settings.rest_depth / bend));
+  }
+  return longest;
+}
+
+void advance_explicitly(Island& island, double end, double calm_speed,
+                        const ContactSettings& settings) {
+  const double start = island.time;
+  const double on_time = kOnTime * (end - start);
+  for (int steps = 1; end - island.time > on_time; ++steps) {
+    explicit_step(island, end - island.time, settings);
+    if (!island.books.is_finite) return;
+    if (!settings.rests_implicitly || calm_speed <= 0 || steps % kStepsBetweenLooks != 0) continue;
+    if (has_contact(island) && !has_impact(island, end - island.time, calm_speed, settings)) return;
+  }
+  island.time = end;
+}
+
+/// Implicit steps until `end` or an impact; false if they cannot go on.
+bool advance_at_rest(Island& island, double end, double impact_at,
+                     const ContactSettings& settings) {
+  const double frame = end - island.time;
+  const double on_time = kOnTime * frame;
+  while (end - island.time > on_time) {
+    const double remaining = end - island.time;
+    if (!has_contact(island) || has_impact(island, remaining, impact_at, settings)) return true;
+    double step = std::min(remaining, straight_step(island, settings));
+    // Equal steps to the end.
+    step = remaining / std::ceil(remaining / step - 1e-9);
+    while (!rest_step(island, step, settings, false)) {
+      step *= 0.5;
+      if (step < kShortestRestStep * frame) return false;
+    }
+  }
+  island.time = end;
+  return true;
+}
+
+}  // namespace
+
+void advance_island(Island& island, double end, const ContactSettings& settings) {
+  const double scale = least_approach_speed(settings);
+  const double frame = end - island.time;
+  while (end - island.time > kOnTime * frame) {
+    const bool may_rest = settings.rests_implicitly && scale > 0 && has_contact(island) &&
+                          !has_impact(island, end - island.time, kImpact * scale, settings);
+    if (!may_rest) {
+      advance_explicitly(island, end, kCalm * scale, settings);
+    } else if (!advance_at_rest(island, end, kImpact * scale, settings)) {
+      // No good implicit step: explicit ones carry the island over what is in the way.
+      const double until = std::min(end, island.time + kShortestRestStep * frame);
+      advance_explicitly(island, until, 0, settings);
+    }
+    if (!island.books.is_finite) return;
+  }
+  island.time = end;
+}
+
+}  // namespace verisim::dem

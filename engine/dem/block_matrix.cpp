@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+#include "dem/block_matrix.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <set>
+
+namespace verisim::dem {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double dot(const std::vector<Vector6>& x, const std::vector<Vector6>& y) {
+  double sum = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) sum += x[i].dot(y[i]);
+  return sum;
+}
+
+/// Positions of the bodies in an order of little fill.
+std::vector<int> minimum_degree_order(const BlockMatrix& matrix) {
+  const int n = matrix.size();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n; ++i) entries.emplace_back(i, i, 1.0);
+  for (const BlockMatrix::Edge& edge : matrix.edges) {
+    entries.emplace_back(edge.row, edge.column, 1.0);
+    entries.emplace_back(edge.column, edge.row, 1.0);
+  }
+  Eigen::SparseMatrix<double> graph(n, n);
+  graph.setFromTriplets(entries.begin(), entries.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(graph, order);
+  // order.indices()[k] is the body eliminated k-th.
+  std::vector<int> place(at(n));
+  for (int k = 0; k < n; ++k) place[at(order.indices()[k])] = k;
+  return place;
+}
+
+}  // namespace
+
+void BlockMatrix::set_zero() {
+  for (Matrix6& block : diagonal) block.setZero();
+  for (Matrix6& block : off) block.setZero();
+}
+
+void BlockMatrix::multiply(const std::vector<Vector6>& x, std::vector<Vector6>& y) const {
+  y.resize(x.size());
+  for (std::size_t i = 0; i < diagonal.size(); ++i) y[i].noalias() = diagonal[i] * x[i];
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    y[at(edges[e].row)].noalias() += off[e] * x[at(edges[e].column)];
+    y[at(edges[e].column)].noalias() += off[e].transpose() * x[at(edges[e].row)];
+  }
+}
+
+void BlockCholesky::analyse(const BlockMatrix& matrix) {
+  const int n = matrix.size();
+  place_ = minimum_degree_order(matrix);
+  body_.resize(at(n));
+  for (int b = 0; b < n; ++b) body_[at(place_[at(b)])] = b;
+  std::vector<std::set<int>> rows(at(n));  // per column, positions below the diagonal
+  for (const BlockMatrix::Edge& edge : matrix.edges) {
+    const int i = place_[at(edge.row)], j = place_[at(edge.column)];
+    rows[at(std::min(i, j))].insert(std::max(i, j));
+  }
+  // The fill of a column goes on to its parent in the elimination tree (George and Liu 1981).
+  for (int j = 0; j < n; ++j) {
+    if (rows[at(j)].size() < 2) continue;
+    const int parent = *rows[at(j)].begin();
+    rows[at(parent)].insert(std::next(rows[at(j)].begin()), rows[at(j)].end());
+  }
+  columns_.assign(at(n), {});
+  rows_.clear();
+  for (int j = 0; j < n; ++j) {
+    columns_[at(j)] = {static_cast<int>(rows_.size()), static_cast<int>(rows[at(j)].size())};
+    rows_.insert(rows_.end(), rows[at(j)].begin(), rows[at(j)].end());
+  }
+  blocks_.resize(rows_.size());
+  diagonal_.resize(at(n));
+  const auto block_at = [&](int row, int column) {
+    const Column& c = columns_[at(column)];
+    const auto begin = rows_.begin() + c.first;
+    return static_cast<int>(std::lower_bound(begin, begin + c.count, row) - rows_.begin());
+  };
+  targets_.clear();
+  num_block_products_ = n;
+  for (int j = 0; j < n; ++j) {
+    const Column& c = columns_[at(j)];
+    num_block_products_ += c.count;
+    for (int s = 0; s < c.count; ++s) {
+      const int column = rows_[at(c.first + s)];
+      targets_.push_back(~column);
+      for (int t = s + 1; t < c.count; ++t) {
+        targets_.push_back(block_at(rows_[at(c.first + t)], column));
+      }
+    }
+  }
+  num_block_products_ += static_cast<double>(targets_.size());
+  block_of_edge_.clear();
+  edge_is_transposed_.clear();
+  for (const BlockMatrix::Edge& edge : matrix.edges) {
+    const int i = place_[at(edge.row)], j = place_[at(edge.column)];
+    block_of_edge_.push_back(block_at(std::max(i, j), std::min(i, j)));
+    edge_is_transposed_.push_back(i < j);
+  }
+}
+
+void BlockCholesky::factorise(const BlockMatrix& matrix) {
+  for (Matrix6& block : blocks_) block.setZero();
+  for (int j = 0; j < matrix.size(); ++j) diagonal_[at(j)] = matrix.diagonal[at(body_[at(j)])];
+  for (std::size_t e = 0; e < matrix.edges.size(); ++e) {
+    Matrix6& block = blocks_[at(block_of_edge_[e])];
+    if (edge_is_transposed_[e]) {
+      block = matrix.off[e].transpose();
+    } else {
+      block = matrix.off[e];
+    }
+  }
+  std::size_t target = 0;
+  for (int j = 0; j < matrix.size(); ++j) {
+    const Column& c = columns_[at(j)];
+    Matrix6& pivot = diagonal_[at(j)];
+    pivot = Eigen::LLT<Matrix6>(pivot).matrixL();
+    for (int s = 0; s < c.count; ++s) {
+      // L_ij = A_ij L_jj^-T
+      pivot.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(
+          blocks_[at(c.first + s)]);
+    }
+    for (int s = 0; s < c.count; ++s) {
+      const Matrix6& l = blocks_[at(c.first + s)];
+      diagonal_[at(~targets_[target++])].noalias() -= l * l.transpose();
+      for (int t = s + 1; t < c.count; ++t) {
+        blocks_[at(targets_[target++])].noalias() -= blocks_[at(c.first + t)] * l.transpose();
+      }
+    }
+  }
+}
+
+void BlockCholesky::solve(const std::vector<Vector6>& b, std::vector<Vector6>& x) const {
+  const int n = static_cast<int>(diagonal_.size());
+  work_.resize(at(n));
+  for (int j = 0; j < n; ++j) work_[at(j)] = b[at(body_[at(j)])];
+  for (int j = 0; j < n; ++j) {
+    diagonal_[at(j)].triangularView<Eigen::Lower>().solveInPlace(work_[at(j)]);
+    const Column& c = columns_[at(j)];
+    for (int s = c.first; s < c.first + c.count; ++s) {
+      work_[at(rows_[at(s)])].noalias() -= blocks_[at(s)] * work_[at(j)];
+    }
+  }
+  x.resize(at(n));
+  for (int j = n - 1; j >= 0; --j) {
+    const Column& c = columns_[at(j)];
+    for (int s = c.first; s < c.first + c.count; ++s) {
+      work_[at(j)].noalias() -= blocks_[at(s)].transpose() * work_[at(rows_[at(s)])];
+    }
+    diagonal_[at(j)].triangularView<Eigen::Lower>().transpose().solveInPlace(work_[at(j)]);
+    x[at(body_[at(j)])] = work_[at(j)];
+  }
+}
+
+void BlockGradients::prepare(const BlockMatrix& matrix) {
+  const std::size_t n = matrix.diagonal.size();
+  inverse_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    inverse_[i] = Eigen::LLT<Matrix6>(matrix.diagonal[i]).solve(Matrix6::Identity());
+  }
+  first_lower_.assign(n + 1, 0);
+  first_upper_.assign(n + 1, 0);
+  for (const BlockMatrix::Edge& edge : matrix.edges) {
+    ++first_lower_[at(edge.row) + 1];
+    ++first_upper_[at(edge.column) + 1];
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    first_lower_[i + 1] += first_lower_[i];
+    first_upper_[i + 1] += first_upper_[i];
+  }
+  lower_.resize(matrix.edges.size());
+  upper_.resize(matrix.edges.size());
+  std::vector<int> next_lower = first_lower_, next_upper = first_upper_;
+  for (int e = 0; e < static_cast<int>(matrix.edges.size()); ++e) {
+    lower_[at(next_lower[at(matrix.edges[at(e)].row)]++)] = e;
+    upper_[at(next_upper[at(matrix.edges[at(e)].column)]++)] = e;
+  }
+}
+
+/// z = (D + U)^-1 D (D + L)^-1 r: one forward and one backward sweep.
+void BlockGradients::precondition(const BlockMatrix& matrix, const std::vector<Vector6>& r,
+                                  std::vector<Vector6>& z) {
+  const int n = matrix.size();
+  y_.resize(at(n));
+  z.resize(at(n));
+  for (int i = 0; i < n; ++i) {
+    Vector6 sum = r[at(i)];
+    for (int s = first_lower_[at(i)]; s < first_lower_[at(i) + 1]; ++s) {
+      const int e = lower_[at(s)];
+      sum.noalias() -= matrix.off[at(e)] * y_[at(matrix.edges[at(e)].column)];
+    }
+    y_[at(i)].noalias() = inverse_[at(i)] * sum;
+  }
+  for (int i = n - 1; i >= 0; --i) {
+    Vector6 sum = Vector6::Zero();
+    for (int s = first_upper_[at(i)]; s < first_upper_[at(i) + 1]; ++s) {
+      const int e = upper_[at(s)];
+      sum.noalias() += matrix.off[at(e)].transpose() * z[at(matrix.edges[at(e)].row)];
+    }
+    z[at(i)] = y_[at(i)] - inverse_[at(i)] * sum;
+  }
+}
+
+int BlockGradients::solve(const BlockMatrix& matrix, const std::vector<Vector6>& b,
+                          double tolerance, int most, std::vector<Vector6>& x) {
+  prepare(matrix);
+  x.assign(b.size(), Vector6::Zero());
+  r_ = b;
+  precondition(matrix, r_, z_);
+  const double start = dot(r_, z_);
+  if (!(start > 0)) return 0;
+  p_ = z_;
+  double rho = start;
+  int iterations = 0;
+  while (iterations < most && rho > tolerance * tolerance * start) {
+    ++iterations;
+    matrix.multiply(p_, ap_);
+    const double step = rho / dot(p_, ap_);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      x[i] += step * p_[i];
+      r_[i] -= step * ap_[i];
+    }
+    precondition(matrix, r_, z_);
+    const double next = dot(r_, z_);
+    const double share = next / rho;
+    for (std::size_t i = 0; i < x.size(); ++i) p_[i] = z_[i] + share * p_[i];
+    rho = next;
+  }
+  return iterations;
+}
+
+}  // namespace verisim::dem

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// A symmetric matrix of 6x6 blocks, one row of blocks per body, and two ways to solve with it.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace verisim::dem {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Symmetric positive definite: blocks on the diagonal and below it, edges (row > column).
+struct BlockMatrix {
+  struct Edge {
+    int row, column;
+  };
+  std::vector<Matrix6> diagonal;  // [N]
+  std::vector<Edge> edges;        // [E] unique
+  std::vector<Matrix6> off;       // [E] block (row, column)
+
+  int size() const { return static_cast<int>(diagonal.size()); }
+  void set_zero();
+  /// y = A x.
+  void multiply(const std::vector<Vector6>& x, std::vector<Vector6>& y) const;
+};
+
+/// Sparse block Cholesky factorisation A = L L^T with a fill-reducing (minimum degree) order.
+class BlockCholesky {
+ public:
+  /// Fixes the order and the fill for the matrix's edges. Cost grows with the fill.
+  void analyse(const BlockMatrix& matrix);
+  /// Multiplications of 6x6 blocks that one factorisation takes.
+  double num_block_products() const { return num_block_products_; }
+  void factorise(const BlockMatrix& matrix);
+  /// x = A^-1 b; b and x may be the same.
+  void solve(const std::vector<Vector6>& b, std::vector<Vector6>& x) const;
+
+ private:
+  struct Column {
+    int first = 0, count = 0;  // in rows_ and blocks_
+  };
+  std::vector<int> place_;       // [N] position of a body in the order
+  std::vector<int> body_;        // [N] and back
+  std::vector<Column> columns_;  // below the diagonal
+  std::vector<int> rows_;        // positions, rising in a column
+  std::vector<Matrix6> blocks_;
+  std::vector<Matrix6> diagonal_;         // Cholesky factors (lower)
+  std::vector<int> targets_;              // blocks_ index (or ~position of a diagonal) per update
+  std::vector<int> block_of_edge_;        // [E]
+  std::vector<bool> edge_is_transposed_;  // [E]
+  double num_block_products_ = 0;
+  mutable std::vector<Vector6> work_;
+};
+
+/// Conjugate gradients with a symmetric block Gauss-Seidel preconditioner.
+class BlockGradients {
+ public:
+  /// Solves A x = b from x = 0 until |r| <= tolerance |b| or `most` iterations. Returns how many.
+  int solve(const BlockMatrix& matrix, const std::vector<Vector6>& b, double tolerance, int most,
+            std::vector<Vector6>& x);
+
+ private:
+  void prepare(const BlockMatrix& matrix);
+  void precondition(const BlockMatrix& matrix, const std::vector<Vector6>& r,
+                    std::vector<Vector6>& z);
+  std::vector<Matrix6> inverse_;  // of the diagonal blocks
+  // Edges of every row: those below the diagonal (row = i) and above (column = i).
+  std::vector<int> first_lower_, lower_, first_upper_, upper_;
+  std::vector<Vector6> r_, z_, p_, ap_, y_;
+};
+
+}  // namespace verisim::dem

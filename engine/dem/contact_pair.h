@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Two bodies that touch or soon may, and the points between them: springs that persist.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace verisim::dem {
+
+/// How two materials meet.
+struct PairLaw {
+  double restitution = 0.5;
+  double friction = 0.5;
+  double rolling_friction = 0;  // m of lever / m of radius; spheres only
+};
+
+/// One spring between two surfaces. Its energy is stiffness/2 (depth - offset)^2 along the normal
+/// and tangential stiffness/2 |stretch|^2 across it.
+struct ContactPoint {
+  std::uint64_t id = 0;  // which features meet; keeps its springs while they do
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();    // m, world
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, pushes a away from b
+  double depth = 0;   // m, > 0 where the surfaces overlap, < 0 apart
+  double weight = 1;  // share of the pair's stiffness that this point carries
+  double offset = 0;  // m, depth at which the spring is at rest: 0 but for springs that were
+                      // stiffened or born under load
+  Eigen::Vector3d stretch_b = Eigen::Vector3d::Zero();  // m, tangential, frame of body b
+  double load = 0;                                      // N, last normal force
+  bool is_touching = false;
+};
+
+struct ContactPair {
+  int a = -1, b = -1;  // bodies of the world; planes follow the bodies
+  PairLaw law;
+  std::vector<ContactPoint> points;
+  double stiffness = 0;       // N/m of a point of weight 1
+  double approach_speed = 0;  // m/s, at the onset of this contact: the scale of its damping
+  double mean_load = 0;       // N, of the heaviest point, smoothed over kLoadMemory
+  double bank = 0;            // J that this pair has taken out and may spend on its offsets
+  double gap = 0;             // m, lower bound of the distance at the last look; < 0: overlap
+  Eigen::Vector3d gap_normal = Eigen::Vector3d::UnitZ();
+  double look_margin = 0;           // m, farthest gap that the last look took in
+  bool gap_is_along_normal = true;  // the normal is a separating axis of two convex shapes
+  int last_axis = -1;               // of two boxes: the axis of least overlap found last
+  bool is_touching = false;
+  bool is_compressing = false;
+
+  std::uint64_t key() const {
+    return (static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint32_t>(b);
+  }
+};
+
+}  // namespace verisim::dem

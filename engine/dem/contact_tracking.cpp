@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include "dem/contact_tracking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "dem/surface_contact.h"
+
+namespace verisim::dem {
+namespace {
+
+using Eigen::Vector3d;
+
+// A point that got a new name but moved less than this share of the smaller body is the same.
+constexpr double kSamePlace = 0.01;
+
+ContactPoint point_from(const FoundPoint& found) {
+  ContactPoint point;
+  point.id = found.id;
+  point.place = found.place;
+  point.normal = found.normal;
+  point.depth = found.depth;
+  point.weight = found.weight;
+  return point;
+}
+
+void inherit(const ContactPoint& old, ContactPoint& point) {
+  point.offset = old.offset;
+  point.stretch_b = old.stretch_b;
+  point.load = old.load;
+  point.is_touching = old.is_touching;
+}
+
+/// The old load over new points that are none of the old: equal forces, their energy no more than
+/// the old one.
+void share_load(const std::vector<ContactPoint>& old, ContactPair& pair) {
+  double load = 0, energy = 0;
+  for (const ContactPoint& point : old) {
+    const double force = pair.stiffness * point.weight * std::max(0.0, point.depth - point.offset);
+    load += force;
+    if (force > 0) energy += 0.5 * force * (point.depth - point.offset);
+  }
+  double compliance = 0, count = 0;
+  for (const ContactPoint& point : pair.points) {
+    if (point.depth <= 0) continue;
+    ++count;
+    compliance += 1 / (pair.stiffness * point.weight);
+  }
+  if (load <= 0 || count == 0) return;
+  double share = load / count;
+  const double new_energy = 0.5 * share * share * compliance;
+  if (new_energy > energy) share *= std::sqrt(energy / new_energy);
+  for (ContactPoint& point : pair.points) {
+    if (point.depth <= 0) continue;
+    point.offset = point.depth - share / (pair.stiffness * point.weight);
+    point.load = share;
+    point.is_touching = true;
+  }
+}
+
+void keep_springs(const std::vector<ContactPoint>& old, double same_place, ContactPair& pair) {
+  bool knows_any = false;
+  std::vector<const ContactPoint*> unclaimed;
+  const auto known = [&](std::uint64_t id) {
+    return std::find_if(old.begin(), old.end(),
+                        [&](const ContactPoint& point) { return point.id == id; });
+  };
+  for (const ContactPoint& point : old) {
+    const bool is_found = std::any_of(pair.points.begin(), pair.points.end(),
+                                      [&](const ContactPoint& p) { return p.id == point.id; });
+    if (!is_found) unclaimed.push_back(&point);
+  }
+  for (ContactPoint& point : pair.points) {
+    if (const auto it = known(point.id); it != old.end()) {
+      inherit(*it, point);
+      knows_any = true;
+      continue;
+    }
+    const auto near = std::find_if(unclaimed.begin(), unclaimed.end(), [&](const ContactPoint* p) {
+      return (p->place - point.place).norm() < same_place;
+    });
+    if (near != unclaimed.end()) {
+      inherit(**near, point);
+      unclaimed.erase(near);
+      knows_any = true;
+    } else if (pair.is_touching) {
+      point.offset = std::max(0.0, point.depth);
+    }
+  }
+  if (!knows_any && pair.is_touching) share_load(old, pair);
+}
+
+/// Old and new points in the same order with the same names: the usual case.
+bool are_same(const std::vector<ContactPoint>& points, const std::vector<FoundPoint>& found) {
+  if (points.size() != found.size()) return false;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].id != found[i].id) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin) {
+  thread_local Found found;
+  thread_local std::vector<ContactPoint> old;
+  ContactPair& pair = local.pair;
+  const BodyState& a = bodies[static_cast<std::size_t>(local.a)];
+  const BodyState& b = bodies[static_cast<std::size_t>(local.b)];
+  find_points(a, b, margin, pair.last_axis, found);
+  pair.gap = found.gap;
+  pair.look_margin = margin;
+  pair.gap_normal = found.normal;
+  pair.gap_is_along_normal = found.is_along_normal;
+  pair.last_axis = found.axis;
+  if (are_same(pair.points, found.points)) {
+    for (std::size_t i = 0; i < found.points.size(); ++i) {
+      ContactPoint& point = pair.points[i];
+      point.place = found.points[i].place;
+      point.normal = found.points[i].normal;
+      point.depth = found.points[i].depth;
+    }
+    return;
+  }
+  old.swap(pair.points);
+  pair.points.clear();
+  for (const FoundPoint& point : found.points) pair.points.push_back(point_from(point));
+  if (!old.empty()) {
+    keep_springs(old, kSamePlace * std::min(a.size, b.size > 0 ? b.size : a.size), pair);
+  }
+}
+
+double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodies,
+                     const ContactPoint& point) {
+  const BodyState& a = bodies[static_cast<std::size_t>(local.a)];
+  const BodyState& b = bodies[static_cast<std::size_t>(local.b)];
+  return -point.normal.dot(a.velocity_at(point.place) - b.velocity_at(point.place));
+}
+
+double inverse_pair_mass(const BodyState& a, const BodyState& b) {
+  return a.inverse_mass + b.inverse_mass;
+}
+
+double least_approach_speed(const ContactSettings& settings) {
+  return std::sqrt(settings.gravity.norm() * settings.rest_depth);
+}
+
+double stiffen(ContactPair& pair, double stiffness, double tangential_ratio) {
+  const double old = pair.stiffness;
+  if (!(stiffness > old)) return 0;
+  double loss = 0, shear_loss = 0;
+  for (ContactPoint& point : pair.points) {
+    // The tangential spring keeps its force as well: it shortens. That counts as slip.
+    shear_loss += 0.5 * tangential_ratio * old * point.weight * point.stretch_b.squaredNorm() *
+                  (1 - old / stiffness);
+    point.stretch_b *= old / stiffness;
+    const double compression = point.depth - point.offset;
+    if (compression <= 0) continue;
+    loss += 0.5 * old * point.weight * compression * compression * (1 - old / stiffness);
+    point.offset = point.depth - compression * old / stiffness;
+  }
+  pair.stiffness = stiffness;
+  pair.bank += loss + shear_loss;
+  return loss;
+}
+
+void update_contact(LocalPair& local, Island& island, const ContactSettings& settings,
+                    double tolerance) {
+  ContactPair& pair = local.pair;
+  const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
+  const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
+  double fastest = -std::numeric_limits<double>::infinity(), slowest = 0, deepest = -tolerance;
+  bool is_near = false;
+  for (const ContactPoint& point : pair.points) {
+    if (point.depth < -tolerance) continue;
+    is_near = true;
+    const double speed = closing_speed(local, island.bodies, point);
+    fastest = std::max(fastest, speed);
+    slowest = std::min(slowest, speed);
+    deepest = std::max(deepest, point.depth);
+  }
+  const auto record = [&](ContactChange change, double speed) {
+    ContactEvent event;
+    event.change = change;
+    event.time = island.time;
+    event.body_a = pair.a;
+    event.body_b = pair.b;
+    event.speed = speed;
+    island.books.events.push_back(event);
+  };
+  if (!pair.is_touching && is_near && (fastest >= 0 || deepest > 0)) {
+    fastest = std::max(fastest, 0.0);
+    const double mass = 1 / inverse_pair_mass(a, b);
+    const double ratio = fastest / settings.impact_depth;
+    const double weight = mass * settings.gravity.norm();
+    pair.is_touching = true;
+    pair.is_compressing = true;
+    pair.approach_speed = std::max(fastest, least_approach_speed(settings));
+    pair.stiffness = settings.stiffness > 0
+                         ? settings.stiffness
+                         : std::max({mass * ratio * ratio, weight / settings.rest_depth,
+                                     1e-9 * mass / (settings.rest_depth * settings.rest_depth)});
+    pair.mean_load = 0;
+    pair.bank = 0;
+    record(ContactChange::kBegin, fastest);
+  } else if (pair.is_touching && deepest <= 0 && (!is_near || fastest < 0)) {
+    pair.is_touching = false;
+    for (ContactPoint& point : pair.points) {
+      point.offset = 0;
+      point.stretch_b.setZero();
+      point.load = 0;
+      point.is_touching = false;
+    }
+    record(ContactChange::kEnd, -slowest);
+  }
+}
+
+}  // namespace verisim::dem

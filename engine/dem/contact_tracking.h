@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Keeps the points of a pair while bodies move: knows them again, begins and ends contacts.
+#pragma once
+
+#include "dem/island.h"
+
+namespace verisim::dem {
+
+/// Looks at a pair anew. Points that are known again keep their springs; points that appear under
+/// the surface of a pair that already touches are born without force (offset = depth); if no point
+/// is known again, the new ones share the old load, without gain of energy.
+void look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin);
+
+/// Speed (m/s) at which the bodies approach each other at a point; < 0: they part.
+double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodies,
+                     const ContactPoint& point);
+
+/// Begins the contact of a pair whose points are within `tolerance` (m) and approach, and ends
+/// that of a pair whose points have all left. Stiffness and damping scale are set at the onset.
+void update_contact(LocalPair& local, Island& island, const ContactSettings& settings,
+                    double tolerance);
+
+/// Inverse of the mass (1/kg) that two bodies present to each other, rotation left aside.
+double inverse_pair_mass(const BodyState& a, const BodyState& b);
+
+/// Raises a pair's stiffness with the force of every point held continuous. Returns the energy (J)
+/// that this takes out of the normal springs; with that of the tangential ones it goes to the
+/// pair's bank.
+double stiffen(ContactPair& pair, double stiffness, double tangential_ratio);
+
+/// Slowest approach speed (m/s) that damping is scaled with: the speed of free fall through the
+/// depth of rest.
+double least_approach_speed(const ContactSettings& settings);
+
+}  // namespace verisim::dem

@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: MIT
+#include "dem/explicit_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+
+#include "dem/contact_tracking.h"
+#include "dem/prescribed.h"
+#include "dem/rotation.h"
+
+namespace verisim::dem {
+namespace {
+
+using Eigen::Vector3d;
+
+// Turn (rad) of one rotation step: its energy error is then 1e-9 over a hundred radians.
+constexpr double kTurn = 0.03;
+// Closer than this share of the impact depth counts as touch-down.
+constexpr double kTouchDown = 1e-3;
+// Longest time over which a pair's load is averaged (s).
+constexpr double kLoadMemory = 0.02;
+// Time in which an offset is given back, as far as the bank pays for it (s).
+constexpr double kOffsetMemory = 0.05;
+
+BodyState& body_a(Island& island, const LocalPair& local) {
+  return island.bodies[static_cast<std::size_t>(local.a)];
+}
+BodyState& body_b(Island& island, const LocalPair& local) {
+  return island.bodies[static_cast<std::size_t>(local.b)];
+}
+
+/// Bound on how fast (m/s) and how much faster still (m/s^2) the bodies of a pair can close in.
+struct Approach {
+  double speed, acceleration;
+};
+
+double edge_speed(const BodyState& body) {
+  if (std::holds_alternative<SphereShape>(*body.shape)) return 0;
+  return body.spin.norm() * body.reach;
+}
+
+Approach approach_of(const LocalPair& local, const Island& island, const Vector3d& gravity) {
+  const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
+  const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
+  const Vector3d apart = a.velocity - b.velocity;
+  const Vector3d pull = (a.is_free() ? 1.0 : 0.0) * gravity - (b.is_free() ? 1.0 : 0.0) * gravity;
+  const double turning = edge_speed(a) + edge_speed(b);
+  if (!local.pair.gap_is_along_normal) return {apart.norm() + turning, pull.norm()};
+  return {turning - local.pair.gap_normal.dot(apart), -local.pair.gap_normal.dot(pull)};
+}
+
+/// Earliest time at which `gap` (m) can be closed; infinite if never.
+double time_to_close(double gap, const Approach& approach) {
+  const double a = approach.acceleration, v = approach.speed;
+  if (gap <= 0) return 0;
+  const double root = v * v + 2 * a * gap;
+  if (root < 0) return std::numeric_limits<double>::infinity();
+  const double denominator = v + std::sqrt(root);
+  return denominator > 0 ? 2 * gap / denominator : std::numeric_limits<double>::infinity();
+}
+
+/// The same in any direction.
+Approach fastest_approach(const LocalPair& local, const Island& island, const Vector3d& gravity) {
+  const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
+  const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
+  const double pull = a.is_free() == b.is_free() ? 0 : gravity.norm();
+  return {(a.velocity - b.velocity).norm() + edge_speed(a) + edge_speed(b), pull};
+}
+
+/// Earliest time (s) at which a pair, or another point of a pair that touches, can touch down.
+double time_to_meet(const LocalPair& local, const Island& island, double step,
+                    const ContactSettings& settings) {
+  const ContactPair& pair = local.pair;
+  const double touch_down = kTouchDown * settings.impact_depth;
+  if (!pair.is_touching) {
+    const Approach approach = approach_of(local, island, settings.gravity);
+    if (pair.gap > touch_down) return time_to_close(pair.gap, approach);
+    // So close and yet no landing: edges pass each other. Small steps.
+    const double speed =
+        std::abs(approach.speed) + std::sqrt(2 * settings.gravity.norm() * settings.impact_depth);
+    return speed > 0 ? 0.25 * settings.impact_depth / speed : step;
+  }
+  const Approach fastest = fastest_approach(local, island, settings.gravity);
+  double time = time_to_close(pair.look_margin, fastest);
+  for (const ContactPoint& point : pair.points) {
+    if (point.depth >= -touch_down) continue;
+    const Approach approach{closing_speed(local, island.bodies, point), fastest.acceleration};
+    time = std::min(time, time_to_close(-point.depth, approach));
+  }
+  return time;
+}
+
+/// Sum over the points of a body of what makes it swing: an upper bound of its frequency squared.
+void add_stiffness(const LocalPair& local, const Island& island, double reach_of_step,
+                   std::vector<double>& rates) {
+  const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
+  const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
+  for (const ContactPoint& point : local.pair.points) {
+    if (point.depth < -reach_of_step) continue;
+    const double k = local.pair.stiffness * point.weight;
+    const auto rate = [&](const BodyState& body) {
+      if (!body.is_free()) return 0.0;
+      const Vector3d arm = (point.place - body.position).cross(point.normal);
+      return k * (body.inverse_mass + arm.dot(body.inverse_inertia * arm));
+    };
+    rates[static_cast<std::size_t>(local.a)] += rate(a);
+    rates[static_cast<std::size_t>(local.b)] += rate(b);
+  }
+}
+
+double contact_step(const Island& island, const ContactSettings& settings) {
+  thread_local std::vector<double> rates;
+  rates.assign(island.bodies.size(), 0);
+  for (const LocalPair& local : island.pairs) {
+    if (local.pair.is_touching) add_stiffness(local, island, settings.impact_depth, rates);
+  }
+  double fastest = 0;
+  for (const LocalPair& local : island.pairs) {
+    if (!local.pair.is_touching) continue;
+    fastest = std::max(fastest, rates[static_cast<std::size_t>(local.a)] +
+                                    rates[static_cast<std::size_t>(local.b)]);
+  }
+  if (fastest <= 0) return std::numeric_limits<double>::infinity();
+  return std::numbers::pi / (settings.steps_per_contact * std::sqrt(fastest));
+}
+
+void kick(Island& island, double duration, const Vector3d& gravity) {
+  IslandBooks& books = island.books;
+  for (std::size_t i = static_cast<std::size_t>(island.num_free); i < island.bodies.size(); ++i) {
+    // What holds a body or moves it along its path gives the island what its contacts take.
+    const BodyState& body = island.bodies[i];
+    books.impulse -= duration * body.force;
+    books.angular_impulse -= duration * (body.position.cross(body.force) + body.torque);
+    books.damping_work -=
+        duration * (body.damping_force.dot(body.velocity) + body.damping_torque.dot(body.spin));
+    books.friction_work -=
+        duration * (body.friction_force.dot(body.velocity) + body.friction_torque.dot(body.spin));
+    books.outside_work -= duration * (body.force.dot(body.velocity) + body.torque.dot(body.spin));
+  }
+  for (int i = 0; i < island.num_free; ++i) {
+    BodyState& body = island.bodies[static_cast<std::size_t>(i)];
+    const Vector3d velocity_before = body.velocity, spin_before = body.spin;
+    body.velocity += (duration * body.inverse_mass) * body.force;
+    body.angular_momentum += duration * body.torque;
+    body.spin = body.inverse_inertia * body.angular_momentum;
+    const Vector3d mean_velocity = 0.5 * (velocity_before + body.velocity);
+    const Vector3d mean_spin = 0.5 * (spin_before + body.spin);
+    books.damping_work -=
+        duration * (body.damping_force.dot(mean_velocity) + body.damping_torque.dot(mean_spin));
+    books.friction_work -=
+        duration * (body.friction_force.dot(mean_velocity) + body.friction_torque.dot(mean_spin));
+    books.outside_work +=
+        duration * (body.outside_force.dot(mean_velocity) + body.outside_torque.dot(mean_spin));
+    const Vector3d outside = body.mass * gravity + body.outside_force;
+    books.impulse += duration * outside;
+    books.angular_impulse += duration * (body.position.cross(outside) + body.outside_torque);
+    books.impulse_size += duration * body.force.norm();
+    books.angular_impulse_size += duration * (body.position.cross(body.force) + body.torque).norm();
+    if (!body.velocity.allFinite() || !body.angular_momentum.allFinite()) {
+      if (books.is_finite) books.culprit = body.index;
+      books.is_finite = false;
+    }
+  }
+}
+
+/// One point's forces at the present state.
+void apply(LocalPair& local, ContactPoint& point, int num_points, double drift,
+           const ContactSettings& settings, Island& island) {
+  ContactPair& pair = local.pair;
+  BodyState& a = body_a(island, local);
+  BodyState& b = body_b(island, local);
+  const double compression = point.depth - point.offset;
+  if (compression <= 0) {
+    point.is_touching = false;
+    point.stretch_b.setZero();
+    point.load = 0;
+    return;
+  }
+  point.is_touching = true;
+  const Vector3d& n = point.normal;
+  const Vector3d velocity = a.velocity_at(point.place) - b.velocity_at(point.place);
+  const double closing = -n.dot(velocity);
+  const double k = pair.stiffness * point.weight;
+  const double relaxation = local.factor / pair.approach_speed * compression;  // s
+  // The damping alone is taken implicitly, with all points of the pair acting on the same mass.
+  const double damping =
+      k * relaxation / (1 + 0.5 * drift * num_points * k * relaxation * inverse_pair_mass(a, b));
+  const double elastic = k * compression;
+  const double load = std::max(0.0, elastic + damping * closing);
+  const double damped = load - elastic;
+
+  const double shear = settings.tangential_ratio * k;
+  const Vector3d sliding = velocity + closing * n;
+  Vector3d stretch = b.rotation * point.stretch_b;
+  const double length = stretch.norm();
+  stretch -= n.dot(stretch) * n;
+  if (length > 0 && stretch.norm() > 0) stretch *= length / stretch.norm();
+  const Vector3d trial = stretch + drift * sliding;
+  const double viscous = damping * settings.tangential_ratio;
+  Vector3d friction = -shear * trial - viscous * sliding;
+  const double limit = pair.law.friction * load;
+  const double size = friction.norm();
+  Vector3d kept = trial;
+  if (size > limit) {
+    friction *= limit / size;
+    // Sliding, the spring holds what Coulomb allows; the damper must not load it.
+    const double longest = limit / shear, stretched = trial.norm();
+    if (stretched > longest) kept *= longest / stretched;
+  }
+  point.stretch_b = b.rotation.transpose() * kept;
+  point.load = load;
+
+  const Vector3d force = load * n + friction;
+  const Vector3d arm_a = point.place - a.position, arm_b = point.place - b.position;
+  a.force += force;
+  a.torque += arm_a.cross(force);
+  b.force -= force;
+  b.torque -= arm_b.cross(force);
+  const Vector3d damped_force = damped * n;
+  a.damping_force += damped_force;
+  a.damping_torque += arm_a.cross(damped_force);
+  b.damping_force -= damped_force;
+  b.damping_torque -= arm_b.cross(damped_force);
+  a.friction_force += friction;
+  a.friction_torque += arm_a.cross(friction);
+  b.friction_force -= friction;
+  b.friction_torque -= arm_b.cross(friction);
+  pair.bank += std::max(0.0, drift * damped * closing);
+  const double sheared = 0.5 * shear * kept.squaredNorm();
+  island.books.elastic_energy += 0.5 * k * compression * compression + sheared;
+  island.books.shear_energy += sheared;
+  island.books.overlap_total += point.depth;
+  island.books.num_overlaps += 1;
+  island.books.max_overlap = std::max(island.books.max_overlap, point.depth);
+}
+
+/// Stiffness and damping scale follow what the pair goes through now.
+void adapt(LocalPair& local, Island& island, double drift, const ContactSettings& settings) {
+  ContactPair& pair = local.pair;
+  const BodyState& a = body_a(island, local);
+  const BodyState& b = body_b(island, local);
+  const double mass = 1 / inverse_pair_mass(a, b);
+  double fastest = -std::numeric_limits<double>::infinity(), heaviest = 0;
+  for (const ContactPoint& point : pair.points) {
+    if (point.depth < -kTouchDown * settings.impact_depth) continue;
+    const double speed = closing_speed(local, island.bodies, point);
+    fastest = std::max(fastest, speed);
+    heaviest = std::max(heaviest, point.load / point.weight);
+  }
+  const bool is_compressing = fastest > 0;
+  if (is_compressing && !pair.is_compressing) {
+    // A new compression without separation in between: its own speed is the scale.
+    pair.approach_speed = least_approach_speed(settings);
+  }
+  // Never below what goes on now: another corner may land faster, and a damper scaled with a far
+  // lower speed would push back more than it stops.
+  pair.approach_speed = std::max(pair.approach_speed, fastest);
+  pair.is_compressing = is_compressing;
+  pair.mean_load += std::min(1.0, drift / kLoadMemory) * (heaviest - pair.mean_load);
+  if (settings.stiffness > 0) return;
+  const double ratio = fastest / settings.impact_depth;
+  double wanted = is_compressing ? mass * ratio * ratio : 0;
+  if (!is_compressing && pair.mean_load > 1.2 * pair.stiffness * settings.rest_depth) {
+    wanted = std::min(1.5 * pair.stiffness, pair.mean_load / settings.rest_depth);
+  }
+  if (wanted > pair.stiffness) {
+    island.books.damping_work += stiffen(pair, wanted, settings.tangential_ratio);
+  }
+  for (ContactPoint& point : pair.points) {
+    if (point.offset <= 0 || point.load <= 0) continue;
+    const double paid = pair.bank / point.load;
+    const double lift = std::min({point.offset, drift * settings.rest_depth / kOffsetMemory, paid});
+    point.offset -= lift;
+    pair.bank -= lift * point.load;
+    island.books.damping_work -= lift * point.load;
+  }
+}
+
+}  // namespace
+
+void follow_path(BodyState& body, double time) {
+  const Pose pose = pose_at(*body.path, time);
+  body.position = pose.position;
+  body.orientation = pose.orientation;
+  body.velocity = pose.linear_velocity;
+  body.spin = pose.angular_velocity;
+  refresh(body);
+  body.path_low = body.path_low.cwiseMin(body.position);
+  body.path_high = body.path_high.cwiseMax(body.position);
+}
+
+void drift_body(BodyState& body, double duration) {
+  body.position += duration * body.velocity;
+  body.path_low = body.path_low.cwiseMin(body.position);
+  body.path_high = body.path_high.cwiseMax(body.position);
+  if (body.inverse_inertia_all_axes > 0) {
+    body.orientation = (rotation_of(duration * body.spin) * body.orientation).normalized();
+  } else {
+    const double turn = body.spin.norm() * duration;
+    const int pieces = std::max(1, static_cast<int>(std::ceil(turn / kTurn)));
+    for (int i = 0; i < pieces; ++i) {
+      body.orientation = turn_by_rkmk4(body.orientation, body.inverse_inertia_b,
+                                       body.angular_momentum, duration / pieces);
+    }
+  }
+  refresh(body);
+}
+
+void evaluate_contact_forces(Island& island, double drift, const ContactSettings& settings) {
+  for (BodyState& body : island.bodies) {
+    body.force.setZero();
+    body.torque.setZero();
+    body.damping_force.setZero();
+    body.damping_torque.setZero();
+    body.friction_force.setZero();
+    body.friction_torque.setZero();
+    if (!body.is_free()) continue;
+    body.force = body.mass * settings.gravity + body.outside_force;
+    body.torque = body.outside_torque;
+  }
+  // What leaves the tangential springs without work on the bodies is slip.
+  const double shear_energy = island.books.shear_energy;
+  island.books.elastic_energy = island.books.shear_energy = 0;
+  long num_contacts = 0;
+  for (LocalPair& local : island.pairs) {
+    if (!local.pair.is_touching) continue;
+    if (drift > 0) adapt(local, island, drift, settings);
+    int num_points = 0;
+    for (const ContactPoint& point : local.pair.points) {
+      num_points += point.depth > point.offset ? 1 : 0;
+    }
+    for (ContactPoint& point : local.pair.points) {
+      apply(local, point, num_points, drift, settings, island);
+    }
+    num_contacts += num_points;
+  }
+  island.books.friction_work += shear_energy - island.books.shear_energy;
+  island.books.max_contacts = std::max(island.books.max_contacts, num_contacts);
+  island.has_forces = true;
+}
+
+double explicit_step(Island& island, double longest, const ContactSettings& settings) {
+  const double touch_down = kTouchDown * settings.impact_depth;
+  double step = longest;
+  bool is_any_touching = false;
+  for (LocalPair& local : island.pairs) {
+    if (!local.pair.is_touching && local.pair.gap <= touch_down) {
+      look_at(local, island.bodies, settings.impact_depth);
+      update_contact(local, island, settings, touch_down);
+    } else if (local.pair.is_touching && !island.has_forces) {
+      look_at(local, island.bodies, settings.impact_depth);
+      update_contact(local, island, settings, touch_down);
+    }
+    is_any_touching = is_any_touching || local.pair.is_touching;
+  }
+  if (is_any_touching) step = std::min(step, contact_step(island, settings));
+  for (const LocalPair& local : island.pairs) {
+    step = std::min(step, time_to_meet(local, island, step, settings));
+  }
+  if (!island.has_forces) evaluate_contact_forces(island, 0, settings);
+  kick(island, 0.5 * step, settings.gravity);
+  for (LocalPair& local : island.pairs) {
+    if (local.pair.is_touching) continue;
+    const Approach approach = approach_of(local, island, settings.gravity);
+    local.pair.gap -= std::max(0.0, approach.speed) * step;
+  }
+  for (int i = 0; i < island.num_free; ++i) {
+    drift_body(island.bodies[static_cast<std::size_t>(i)], step);
+  }
+  island.time += step;
+  for (BodyState& body : island.bodies) {
+    if (body.path != nullptr) follow_path(body, island.time);
+  }
+  for (LocalPair& local : island.pairs) {
+    if (!local.pair.is_touching) continue;
+    const Approach approach = fastest_approach(local, island, settings.gravity);
+    const double margin = 2 * step * (approach.speed + step * approach.acceleration);
+    look_at(local, island.bodies, std::max(settings.impact_depth, margin));
+  }
+  evaluate_contact_forces(island, step, settings);
+  kick(island, 0.5 * step, settings.gravity);
+  for (LocalPair& local : island.pairs) {
+    if (local.pair.is_touching) update_contact(local, island, settings, touch_down);
+  }
+  ++island.books.num_steps;
+  if (std::getenv("VDEBUG")) {
+    static double last = 0;
+    static int count = 0;
+    double e = island.books.elastic_energy;
+    for (int i = 0; i < island.num_free; ++i) {
+      const BodyState& body = island.bodies[static_cast<std::size_t>(i)];
+      e += 0.5 * body.mass * body.velocity.squaredNorm() +
+           0.5 * body.angular_momentum.dot(body.spin) -
+           body.mass * settings.gravity.dot(body.position);
+    }
+    if (e > last + 20 && count < 12 && last != 0) {
+      ++count;
+      std::fprintf(stderr, "t=%.9f h=%.3g e=%.9g last=%.9g\n", island.time, step, e, last);
+      for (auto& l : island.pairs)
+        for (auto& p : l.pair.points)
+          std::fprintf(stderr,
+                       "   k=%.4g v0=%.3g touch=%d id=%lu depth=%.4g off=%.4g load=%.4g "
+                       "closing=%.4g stretch=%.4g\n",
+                       l.pair.stiffness, l.pair.approach_speed, l.pair.is_touching,
+                       (unsigned long)p.id, p.depth, p.offset, p.load,
+                       closing_speed(l, island.bodies, p), p.stretch_b.norm());
+    }
+    last = e;
+  }
+  return step;
+}
+
+}  // namespace verisim::dem

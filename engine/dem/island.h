@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Bodies that may touch each other during a frame, and how they advance through it.
+#pragma once
+
+#include <vector>
+
+#include "dem/body_state.h"
+#include "dem/contact_pair.h"
+#include "dem/metrics.h"
+
+namespace verisim::dem {
+
+/// Choices that hold for all islands of a world.
+struct ContactSettings {
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s^2
+  double impact_depth = 0;                            // m, compression allowed in an impact
+  double rest_depth = 0;                              // m, compression allowed under a resting load
+  double tangential_ratio = 0.8;                      // tangential over normal stiffness
+  int steps_per_contact = 40;
+  double stiffness = 0;  // N/m; 0: from impact and load
+  bool rests_implicitly = true;
+};
+
+/// What an island did to the books of the world.
+struct IslandBooks {
+  double damping_work = 0, friction_work = 0, outside_work = 0;  // J
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();             // N s, from outside
+  Eigen::Vector3d angular_impulse = Eigen::Vector3d::Zero();     // N m s, about the origin
+  double impulse_size = 0, angular_impulse_size = 0;
+  double elastic_energy = 0;  // J, at the end
+  double shear_energy = 0;    // J, the tangential part
+  double overlap_total = 0, num_overlaps = 0, max_overlap = 0;
+  double least_step = 0;  // s
+  long num_steps = 0, num_rest_steps = 0, max_contacts = 0;
+  double energy_rise = 0;  // J, largest of one implicit step that nothing put in
+  std::vector<ContactEvent> events;
+  bool is_finite = true;
+  int culprit = -1;  // body of the first load that is not finite
+};
+
+struct LocalPair {
+  int a = 0, b = 0;  // in Island::bodies
+  ContactPair pair;
+  double factor = 0;  // d of its law at the settings' steps per contact
+};
+
+struct Island {
+  std::vector<BodyState> bodies;  // free ones first in world order, then what they may touch
+  std::vector<LocalPair> pairs;   // in order of ContactPair::key
+  IslandBooks books;
+  double time = 0;  // s
+  int num_free = 0;
+  bool has_forces = false;  // BodyState::force and the like are those of the present state
+};
+
+/// Advances to `end` (s). Impacts by explicit steps that begin at touch-down, rest by implicit
+/// ones, free flight exactly.
+void advance_island(Island& island, double end, const ContactSettings& settings);
+
+}  // namespace verisim::dem

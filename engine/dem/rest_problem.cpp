@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: MIT
+#include "dem/rest_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+
+namespace verisim::dem {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Tangential springs act over four steps: three steps' worth of their stiffness as damping.
+constexpr double kTangentialSteps = 4;
+// Loaded springs are damped by three steps' worth of their stiffness: what is pressed in comes out
+// at depth / (4 h) at the fastest.
+constexpr double kNormalSteps = 3;
+// A sliding contact has no stiffness along its slip. At first the matrix gives it half of what it
+// would have stuck, which finds who slides where in few steps; then the true matrix converges.
+constexpr double kSlidingShare = 0.5;
+constexpr int kCautiousSteps = 5;
+constexpr int kMostNewtonSteps = 40;
+constexpr int kMostPasses = 4;
+constexpr double kBoundChange = 0.02;  // of a body's weight, rms, below which bounds are settled
+// Block products of a factorisation, per edge, above which gradients are cheaper.
+constexpr double kMostFill = 60;
+constexpr double kTightResidual = 1e-9, kLooseResidual = 1e-3;
+constexpr int kManyBodies = 300;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Matrix3d cross_matrix(const Vector3d& r) {
+  Matrix3d m;
+  m << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
+  return m;
+}
+
+/// J^T f for a point at `arm`.
+Vector6 wrench(const Vector3d& arm, const Vector3d& force) {
+  Vector6 w;
+  w << force, arm.cross(force);
+  return w;
+}
+
+/// J^T W J' for points at arms r, r' (J = [1, -[r]x]).
+Matrix6 block(const Matrix3d& w, const Vector3d& r, const Vector3d& s) {
+  const Matrix3d left = cross_matrix(r) * w;
+  const Matrix3d cross_s = cross_matrix(s);
+  Matrix6 m;
+  m.topLeftCorner<3, 3>() = w;
+  m.topRightCorner<3, 3>() = -w * cross_s;
+  m.bottomLeftCorner<3, 3>() = left;
+  m.bottomRightCorner<3, 3>() = -left * cross_s;
+  return m;
+}
+
+struct RowForces {
+  double load;
+  Vector3d pull;  // friction force of z: opposes it with this sign
+  Vector3d z;     // m
+  double size;    // |shear z|
+};
+
+RowForces forces_of(const RestRow& row, const Vector3d& u, double h) {
+  RowForces f;
+  const double un = row.normal.dot(u);
+  const double q = h * row.stiffness + row.damping;
+  f.load = std::max(0.0, row.stiffness * row.compression - q * un);
+  f.z = row.stretch + kTangentialSteps * h * (u - un * row.normal);
+  f.size = row.shear * f.z.norm();
+  f.pull = f.size > row.bound ? Vector3d((row.bound / f.size * row.shear) * f.z)
+                              : Vector3d(row.shear * f.z);
+  return f;
+}
+
+}  // namespace
+
+void RestProblem::set_up(Island& island, double duration, const ContactSettings& settings) {
+  island_ = &island;
+  h_ = duration;
+  gravity_ = settings.gravity.norm();
+  const std::size_t n = at(island.num_free);
+  start_.resize(n);
+  free_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const BodyState& body = island.bodies[i];
+    start_[i] << body.velocity, body.spin;
+    const Vector3d pull = settings.gravity + body.inverse_mass * body.outside_force;
+    const Vector3d momentum = body.angular_momentum + h_ * body.outside_torque;
+    free_[i] << body.velocity + h_ * pull, body.inverse_inertia * momentum;
+  }
+  rows_.clear();
+  edge_of_row_.clear();
+  matrix_.edges.clear();
+  for (LocalPair& local : island.pairs) {
+    const BodyState& a = island.bodies[at(local.a)];
+    const BodyState& b = island.bodies[at(local.b)];
+    int edge = -1;
+    if (a.is_free() && b.is_free() && !local.pair.points.empty()) {
+      edge = static_cast<int>(matrix_.edges.size());
+      matrix_.edges.push_back({std::max(local.a, local.b), std::min(local.a, local.b)});
+    }
+    for (ContactPoint& point : local.pair.points) {
+      RestRow row;
+      row.local = &local;
+      row.point = &point;
+      row.a = a.is_free() ? local.a : -1;
+      row.b = b.is_free() ? local.b : -1;
+      row.normal = point.normal;
+      row.arm_a = point.place - a.position;
+      row.arm_b = point.place - b.position;
+      if (row.a < 0) row.given += a.velocity_at(point.place);
+      if (row.b < 0) row.given -= b.velocity_at(point.place);
+      row.friction = local.pair.law.friction;
+      const double pressed =
+          local.pair.stiffness * point.weight * std::max(0.0, point.depth - point.offset);
+      row.load = std::min(point.load, pressed);
+      Vector3d stretch = b.rotation * point.stretch_b;
+      const double length = stretch.norm();
+      stretch -= point.normal.dot(stretch) * point.normal;
+      if (length > 0 && stretch.norm() > 0) stretch *= length / stretch.norm();
+      row.stretch = stretch;
+      rows_.push_back(row);
+      edge_of_row_.push_back(edge);
+    }
+  }
+  matrix_.diagonal.resize(n);
+  matrix_.off.resize(matrix_.edges.size());
+  is_analysed_ = false;
+  v_ = start_;
+  refresh_rows(settings);
+}
+
+void RestProblem::refresh_rows(const ContactSettings& settings) {
+  for (RestRow& row : rows_) {
+    const ContactPair& pair = row.local->pair;
+    row.stiffness = pair.stiffness * row.point->weight;
+    row.compression = row.point->depth - row.point->offset;
+    row.damping = row.compression > 0 ? kNormalSteps * h_ * row.stiffness : 0;
+    row.shear = settings.tangential_ratio * row.stiffness;
+    row.bound = row.friction * row.load;
+  }
+}
+
+Vector3d RestProblem::relative_velocity(const RestRow& row, const std::vector<Vector6>& v) const {
+  Vector3d u = row.given;
+  if (row.a >= 0) {
+    const Vector6& va = v[at(row.a)];
+    u += va.head<3>() + va.tail<3>().cross(row.arm_a);
+  }
+  if (row.b >= 0) {
+    const Vector6& vb = v[at(row.b)];
+    u -= vb.head<3>() + vb.tail<3>().cross(row.arm_b);
+  }
+  return u;
+}
+
+void RestProblem::apply_mass(std::vector<Vector6>& v) const {
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const BodyState& body = island_->bodies[i];
+    v[i].head<3>() *= body.mass;
+    const Vector3d spin_b = body.rotation.transpose() * v[i].tail<3>();
+    v[i].tail<3>() = body.rotation * (body.inertia_b * spin_b);
+  }
+}
+
+/// Gradient of the objective; loads and tangential forces of the rows are set.
+void RestProblem::evaluate(const std::vector<Vector6>& v, std::vector<Vector6>& gradient) {
+  gradient.resize(v.size());
+  for (std::size_t i = 0; i < v.size(); ++i) gradient[i] = v[i] - free_[i];
+  apply_mass(gradient);
+  for (RestRow& row : rows_) {
+    const RowForces f = forces_of(row, relative_velocity(row, v), h_);
+    row.load = f.load;
+    row.tangential = -f.pull;
+    if (f.load <= 0 && f.size <= 0) continue;
+    const Vector3d force = h_ * (f.load * row.normal - f.pull);
+    if (row.a >= 0) gradient[at(row.a)] -= wrench(row.arm_a, force);
+    if (row.b >= 0) gradient[at(row.b)] += wrench(row.arm_b, force);
+  }
+}
+
+void RestProblem::assemble(const std::vector<Vector6>& v, double sliding_share) {
+  matrix_.set_zero();
+  for (std::size_t i = 0; i < matrix_.diagonal.size(); ++i) {
+    const BodyState& body = island_->bodies[i];
+    matrix_.diagonal[i].topLeftCorner<3, 3>() = body.mass * Matrix3d::Identity();
+    matrix_.diagonal[i].bottomRightCorner<3, 3>() =
+        body.rotation * body.inertia_b * body.rotation.transpose();
+  }
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const RestRow& row = rows_[r];
+    const RowForces f = forces_of(row, relative_velocity(row, v), h_);
+    Matrix3d w = Matrix3d::Zero();
+    if (f.load > 0) {
+      w += (h_ * (h_ * row.stiffness + row.damping)) * row.normal * row.normal.transpose();
+    }
+    if (row.bound > 0 && row.shear > 0) {
+      const Matrix3d across = Matrix3d::Identity() - row.normal * row.normal.transpose();
+      const double scale = kTangentialSteps * h_ * h_;
+      if (f.size <= row.bound) {
+        w += (scale * row.shear) * across;
+      } else {
+        const Vector3d along = f.z.normalized();
+        w += (scale * row.shear * row.bound / f.size) *
+             (across - sliding_share * along * along.transpose());
+      }
+    }
+    if (w.isZero(0)) continue;
+    if (row.a >= 0) matrix_.diagonal[at(row.a)] += block(w, row.arm_a, row.arm_a);
+    if (row.b >= 0) matrix_.diagonal[at(row.b)] += block(w, row.arm_b, row.arm_b);
+    if (edge_of_row_[r] < 0) continue;
+    Matrix6& off = matrix_.off[at(edge_of_row_[r])];
+    if (row.a > row.b) {
+      off -= block(w, row.arm_a, row.arm_b);
+    } else {
+      off -= block(w, row.arm_b, row.arm_a);
+    }
+  }
+  if (!is_analysed_) {
+    cholesky_.analyse(matrix_);
+    const double num_edges = static_cast<double>(matrix_.edges.size() + matrix_.diagonal.size());
+    is_direct_ = cholesky_.num_block_products() < kMostFill * num_edges;
+    is_analysed_ = true;
+  }
+  if (is_direct_) cholesky_.factorise(matrix_);
+}
+
+void RestProblem::solve_linear(const std::vector<Vector6>& b, std::vector<Vector6>& x,
+                               double tolerance) {
+  if (is_direct_) {
+    cholesky_.solve(b, x);
+  } else {
+    gradients_.solve(matrix_, b, tolerance, 200, x);
+  }
+}
+
+/// Where the objective is least along `direction`: false position on its slope.
+double RestProblem::line_search(const std::vector<Vector6>& v,
+                                const std::vector<Vector6>& direction) {
+  std::vector<Vector6> weighted = direction;
+  apply_mass(weighted);
+  double curvature = 0, slope_of_mass = 0;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    curvature += direction[i].dot(weighted[i]);
+    slope_of_mass += (v[i] - free_[i]).dot(weighted[i]);
+  }
+  struct Line {
+    const RestRow* row;
+    Vector3d u, du;
+  };
+  thread_local std::vector<Line> lines;
+  lines.clear();
+  for (const RestRow& row : rows_) {
+    Line line{&row, relative_velocity(row, v), Vector3d::Zero()};
+    line.du = relative_velocity(row, direction) - row.given;
+    lines.push_back(line);
+  }
+  const auto slope = [&](double t) {
+    double sum = slope_of_mass + t * curvature;
+    for (const Line& line : lines) {
+      const RowForces f = forces_of(*line.row, line.u + t * line.du, h_);
+      const double dn = line.row->normal.dot(line.du);
+      sum += h_ * (f.pull.dot(line.du - dn * line.row->normal) - f.load * dn);
+    }
+    return sum;
+  };
+  const double at_start = slope(0);
+  if (!(at_start < 0)) return 0;
+  double low = 0, low_slope = at_start, high = 1, high_slope = slope(1);
+  if (std::abs(high_slope) <= 0.2 * -at_start) return 1;
+  while (high_slope < 0 && high < 8) {
+    low = high;
+    low_slope = high_slope;
+    high *= 2;
+    high_slope = slope(high);
+  }
+  if (high_slope < 0) return high;
+  double t = high;
+  for (int i = 0; i < 12; ++i) {
+    t = low + (high - low) * low_slope / (low_slope - high_slope);
+    if (i % 3 == 2) t = 0.5 * (low + high);
+    const double here = slope(t);
+    if (std::abs(here) <= 0.05 * -at_start) break;
+    if (here < 0) {
+      low = t;
+      low_slope = here;
+    } else {
+      high = t;
+      high_slope = here;
+    }
+  }
+  return t;
+}
+
+/// Rms over bodies of the gradient against the impulse of a body's weight.
+double RestProblem::scaled_residual(const std::vector<Vector6>& gradient) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < gradient.size(); ++i) {
+    const BodyState& body = island_->bodies[i];
+    const double impulse = body.mass * gravity_ * h_;
+    sum += gradient[i].head<3>().squaredNorm() / (impulse * impulse) +
+           gradient[i].tail<3>().squaredNorm() / (impulse * impulse * body.size * body.size);
+  }
+  return std::sqrt(sum / static_cast<double>(gradient.size()));
+}
+
+RestProblem::Outcome RestProblem::solve(const ContactSettings&) {
+  Outcome outcome;
+  std::vector<Vector6> gradient, direction;
+  const bool is_small = island_->num_free < kManyBodies;
+  const double tolerance = is_small ? kTightResidual : kLooseResidual;
+  double lightest = island_->bodies[0].mass;
+  for (int i = 0; i < island_->num_free; ++i) {
+    lightest = std::min(lightest, island_->bodies[at(i)].mass);
+  }
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    evaluate(v_, gradient);
+    double residual = scaled_residual(gradient);
+    const double start = residual;
+    const double enough = std::max(tolerance, (is_small ? 1e-9 : 0.05) * start);
+    outcome.converged = residual <= (pass == 0 ? tolerance : enough);
+    double best = residual;
+    int stalled = 0;
+    for (int i = 0; i < kMostNewtonSteps && !outcome.converged; ++i) {
+      assemble(v_, i < kCautiousSteps ? kSlidingShare : 1);
+      for (Vector6& g : gradient) g = -g;
+      solve_linear(gradient, direction, 1e-2);
+      const double t = line_search(v_, direction);
+      for (std::size_t k = 0; k < v_.size(); ++k) v_[k] += t * direction[k];
+      evaluate(v_, gradient);
+      residual = scaled_residual(gradient);
+      ++outcome.newton_steps;
+      outcome.converged = residual <= enough;
+      // Rounding sets a floor under heavy loads on light bodies.
+      stalled = residual > 0.5 * best ? stalled + 1 : 0;
+      best = std::min(best, residual);
+      if (stalled >= 3 && best <= 1e-5 * std::max(1.0, start)) outcome.converged = true;
+      if (std::getenv("VNEWTON"))
+        std::fprintf(stderr, "  pass %d it %d t=%.3g res=%.3g best=%.3g start=%.3g\n", pass, i, t,
+                     residual, best, start);
+    }
+    double change = 0;
+    for (RestRow& row : rows_) {
+      const double bound = row.friction * row.load;
+      change += (bound - row.bound) * (bound - row.bound);
+      row.bound = bound;
+    }
+    const double settled = (is_small ? 1e-6 : kBoundChange) * lightest * gravity_;
+    if (std::sqrt(change / static_cast<double>(std::max<std::size_t>(rows_.size(), 1))) <= settled)
+      break;
+  }
+  // The loads of the solution, put on the bodies exactly: momentum is kept to rounding.
+  evaluate(v_, gradient);
+  end_ = free_;
+  for (const RestRow& row : rows_) {
+    const Vector3d force = h_ * (row.load * row.normal + row.tangential);
+    const auto give = [&](int body, const Vector3d& arm, double sign) {
+      if (body < 0) return;
+      const BodyState& state = island_->bodies[at(body)];
+      end_[at(body)].head<3>() += (sign * state.inverse_mass) * force;
+      end_[at(body)].tail<3>() += sign * (state.inverse_inertia * arm.cross(force));
+    };
+    give(row.a, row.arm_a, 1);
+    give(row.b, row.arm_b, -1);
+  }
+  return outcome;
+}
+
+void RestProblem::project(std::vector<Vector6>& c) {
+  assemble(v_, 1);
+  std::vector<Vector6> weighted = c;
+  apply_mass(weighted);
+  solve_linear(weighted, c, 1e-6);
+}
+
+}  // namespace verisim::dem

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// The convex problem of an implicit step: which velocities balance all springs at its end.
+#pragma once
+
+#include <vector>
+
+#include "dem/block_matrix.h"
+#include "dem/island.h"
+
+namespace verisim::dem {
+
+/// A contact point as the problem sees it. a and b are free bodies or -1.
+struct RestRow {
+  int a = -1, b = -1;
+  LocalPair* local = nullptr;
+  ContactPoint* point = nullptr;
+  Eigen::Vector3d normal, arm_a, arm_b;               // m, from the centres of mass
+  Eigen::Vector3d given = Eigen::Vector3d::Zero();    // m/s, relative velocity of bodies not free
+  Eigen::Vector3d stretch = Eigen::Vector3d::Zero();  // m, at the start of the step
+  double compression = 0;                             // m, at the start; < 0 apart
+  double stiffness = 0;                               // N/m, normal
+  double damping = 0;                                 // N s/m, normal
+  double shear = 0;                                   // N/m, tangential
+  double friction = 0;                                // coefficient
+  double bound = 0;                                   // N, of the friction in this pass
+  double load = 0;                                    // N, normal, at the solution
+  Eigen::Vector3d tangential = Eigen::Vector3d::Zero();  // N, friction on a, at the solution
+};
+
+/// Minimises over the velocities v of the free bodies, with h the step and u = J v per row:
+///   1/2 |v - v*|_M^2 + sum h/(2q) [k x - q u_n]_+^2 + sum h/(4h) Huber_{k_t, b}(s + 4h u_t),
+/// q = h k + damping. The friction bound b = mu * load of the last pass is fixed meanwhile, so the
+/// problem is convex; passes repeat until it no longer changes. Newton with exact line search.
+class RestProblem {
+ public:
+  /// Result of a solve.
+  struct Outcome {
+    bool converged = false;
+    int newton_steps = 0;
+  };
+
+  /// Takes the island's bodies and points at the start of a step of `duration` (s).
+  void set_up(Island& island, double duration, const ContactSettings& settings);
+  /// Takes over stiffness and offset of all points after they were changed.
+  void refresh_rows(const ContactSettings& settings);
+  Outcome solve(const ContactSettings& settings);
+
+  std::vector<RestRow>& rows() { return rows_; }
+  /// Velocity and spin of the free bodies after the step, exactly by the loads of all rows.
+  const std::vector<Vector6>& velocities() const { return end_; }
+  const std::vector<Vector6>& start_velocities() const { return start_; }
+  /// H^-1 M c with the matrix of the last Newton step: c without its stiff directions.
+  void project(std::vector<Vector6>& c);
+  Eigen::Vector3d relative_velocity(const RestRow& row, const std::vector<Vector6>& v) const;
+
+ private:
+  void evaluate(const std::vector<Vector6>& v, std::vector<Vector6>& gradient);
+  void assemble(const std::vector<Vector6>& v, double sliding_share);
+  void solve_linear(const std::vector<Vector6>& b, std::vector<Vector6>& x, double tolerance);
+  double line_search(const std::vector<Vector6>& v, const std::vector<Vector6>& direction);
+  double scaled_residual(const std::vector<Vector6>& gradient) const;
+  void apply_mass(std::vector<Vector6>& v) const;
+
+  Island* island_ = nullptr;
+  double h_ = 0;
+  double gravity_ = 0;
+  std::vector<RestRow> rows_;
+  std::vector<int> edge_of_row_;
+  std::vector<Vector6> start_, free_, end_, v_;
+  BlockMatrix matrix_;
+  BlockCholesky cholesky_;
+  BlockGradients gradients_;
+  bool is_direct_ = true, is_analysed_ = false;
+};
+
+}  // namespace verisim::dem

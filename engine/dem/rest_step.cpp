@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: MIT
+#include "dem/rest_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dem/contact_tracking.h"
+#include "dem/explicit_step.h"
+#include "dem/rest_problem.h"
+#include "dem/rotation.h"
+
+namespace verisim::dem {
+namespace {
+
+using Eigen::Vector3d;
+
+// Time in which an offset is given back, as far as the bank pays for it (s).
+constexpr double kOffsetMemory = 0.05;
+// A rise of energy below this share of what lifts the island by the depth of rest is rounding.
+constexpr double kUnseenRise = 1e-3;
+// Stiffness grows by no more than this factor at a time: resting loads are found at once, the
+// spike of an impact must not stiffen what rests afterwards.
+constexpr double kMostStiffening = 100, kMostStiffeningInImpact = 4;
+constexpr int kPile = 100;  // free bodies
+constexpr int kMostSolves = 5;
+// Faster approaches (times the fall through the depth of rest) load springs by their impact.
+constexpr double kImpact = 3;
+constexpr double kImpactDepth = 10;  // depths of rest that an impact may press them in
+// Overload of a spring (of its allowed load) that is let be.
+constexpr double kOverload = 1.02;
+// Offsets from the projected path smaller than this share of the depth of rest are left out.
+constexpr double kUnseenShift = 1e-4;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+struct SpringEnergy {
+  double normal = 0, shear = 0;  // J
+  double total() const { return normal + shear; }
+};
+
+SpringEnergy spring_energy(const Island& island, double tangential_ratio) {
+  SpringEnergy sum;
+  for (const LocalPair& local : island.pairs) {
+    for (const ContactPoint& point : local.pair.points) {
+      const double compression = point.depth - point.offset;
+      if (compression <= 0) continue;
+      const double k = local.pair.stiffness * point.weight;
+      sum.normal += 0.5 * k * compression * compression;
+      sum.shear += 0.5 * tangential_ratio * k * point.stretch_b.squaredNorm();
+    }
+  }
+  return sum;
+}
+
+double kinetic_and_potential(const Island& island, const Vector3d& gravity) {
+  double sum = 0;
+  for (int i = 0; i < island.num_free; ++i) {
+    const BodyState& body = island.bodies[at(i)];
+    sum += 0.5 * body.mass * body.velocity.squaredNorm() +
+           0.5 * body.angular_momentum.dot(body.spin) - body.mass * gravity.dot(body.position);
+  }
+  return sum;
+}
+
+/// How far the surfaces of a pair can come closer within `duration`.
+double reach_of(const LocalPair& local, const Island& island, double duration,
+                const ContactSettings& settings) {
+  const auto speed = [&](const BodyState& body) {
+    return body.velocity.norm() + body.spin.norm() * body.reach +
+           (body.is_free() ? settings.gravity.norm() * duration : 0);
+  };
+  return settings.impact_depth +
+         duration * (speed(island.bodies[at(local.a)]) + speed(island.bodies[at(local.b)]));
+}
+
+double weight_of(const LocalPair& local, const Island& island, const ContactSettings& settings) {
+  return settings.gravity.norm() /
+         inverse_pair_mass(island.bodies[at(local.a)], island.bodies[at(local.b)]);
+}
+
+/// Stiffness for the load of rest: springs that do not touch take it at once; those that do may
+/// sink into it by halves, at fixed depth, where energy can only fall.
+void relax_stiffness(LocalPair& local, Island& island, const ContactSettings& settings) {
+  ContactPair& pair = local.pair;
+  if (settings.stiffness > 0) {
+    pair.stiffness = settings.stiffness;
+    return;
+  }
+  double load = weight_of(local, island, settings);
+  bool is_pressed = false, has_offset = false;
+  for (const ContactPoint& point : pair.points) {
+    load = std::max(load, point.load / point.weight);
+    is_pressed = is_pressed || point.depth > point.offset;
+    has_offset = has_offset || point.offset > 0;
+  }
+  const double wanted = load / settings.rest_depth;
+  if (!pair.is_touching || !is_pressed) {
+    pair.stiffness = wanted;
+  } else if (wanted < pair.stiffness && !has_offset) {
+    const double softer = std::max(wanted, 0.5 * pair.stiffness);
+    double squares = 0;
+    for (const ContactPoint& point : pair.points) {
+      squares += point.weight * std::pow(std::max(0.0, point.depth), 2);
+    }
+    const double given_up = 0.5 * (pair.stiffness - softer) * squares;
+    island.books.damping_work += given_up;
+    pair.bank += given_up;
+    pair.stiffness = softer;
+  }
+}
+
+/// Gives back offsets as far as the pair's bank pays for the lift.
+void give_back_offsets(LocalPair& local, double duration, const ContactSettings& settings,
+                       IslandBooks& books) {
+  ContactPair& pair = local.pair;
+  for (ContactPoint& point : pair.points) {
+    const double compression = point.depth - point.offset;
+    if (point.offset <= 0 || compression <= 0) continue;
+    const double k = pair.stiffness * point.weight;
+    double lift = std::min(point.offset, duration * settings.rest_depth / kOffsetMemory);
+    const auto price_of = [&](double l) { return k * l * (compression + 0.5 * l); };
+    if (price_of(lift) > pair.bank) {
+      lift = std::sqrt(compression * compression + 2 * pair.bank / k) - compression;
+    }
+    const double price = std::min(price_of(lift), pair.bank);
+    point.offset -= lift;
+    pair.bank -= price;
+    books.damping_work -= price;
+  }
+}
+
+/// Raises the stiffness of overloaded pairs; true if any was raised.
+bool stiffen_overloaded(RestProblem& problem, Island& island, const ContactSettings& settings) {
+  if (settings.stiffness > 0) return false;
+  bool is_raised = false;
+  std::vector<RestRow>& rows = problem.rows();
+  for (std::size_t first = 0; first < rows.size();) {
+    LocalPair& local = *rows[first].local;
+    double load = 0, fastest = 0;
+    std::size_t r = first;
+    for (; r < rows.size() && rows[r].local == &local; ++r) {
+      load = std::max(load, rows[r].load / rows[r].point->weight);
+      const Vector3d u = problem.relative_velocity(rows[r], problem.start_velocities());
+      if (rows[r].load > 0) fastest = std::max(fastest, -rows[r].normal.dot(u));
+    }
+    const bool is_impact = fastest > kImpact * least_approach_speed(settings);
+    const double most = is_impact ? kMostStiffeningInImpact : kMostStiffening;
+    const double depth = is_impact ? kImpactDepth * settings.rest_depth : settings.rest_depth;
+    first = r;
+    const double k = local.pair.stiffness;
+    if (load <= kOverload * k * depth) continue;
+    const double raised = std::min(load / depth, most * k);
+    island.books.damping_work += stiffen(local.pair, raised, settings.tangential_ratio);
+    is_raised = true;
+  }
+  return is_raised;
+}
+
+/// Moves the bodies by the solution; the books take what springs, friction and the step took.
+void move(RestProblem& problem, Island& island, double h, const ContactSettings& settings) {
+  const std::vector<Vector6>& start = problem.start_velocities();
+  const std::vector<Vector6>& end = problem.velocities();
+  // Displacement by the mean of both velocities is second order; by the end's alone it is what the
+  // springs were balanced for. The difference is kept where no spring minds.
+  std::vector<Vector6> shift(end.size());
+  double largest = 0;
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    shift[i] = 0.5 * h * (start[i] - end[i]);
+    largest = std::max(
+        {largest, shift[i].head<3>().norm(), shift[i].tail<3>().norm() * island.bodies[i].reach});
+  }
+  const std::vector<Vector6> whole_shift = shift;
+  if (largest > kUnseenShift * settings.rest_depth) {
+    problem.project(shift);
+  } else {
+    for (Vector6& s : shift) s.setZero();
+  }
+
+  IslandBooks& books = island.books;
+  std::vector<Vector6> impulse(end.size(), Vector6::Zero());
+  for (RestRow& row : problem.rows()) {
+    const Vector3d u_start = problem.relative_velocity(row, start);
+    const Vector3d u_end = problem.relative_velocity(row, end);
+    const Vector3d u_mean = 0.5 * (u_start + u_end);
+    const Vector3d& n = row.normal;
+    const Vector3d shifted = problem.relative_velocity(row, shift) - row.given;
+    const double after = row.compression - n.dot(h * u_end + shifted);
+    const double stored =
+        0.5 * row.stiffness *
+        (std::pow(std::max(0.0, after), 2) - std::pow(std::max(0.0, row.compression), 2));
+    const double damped = -h * row.load * n.dot(u_mean) - stored;
+    books.damping_work += damped;
+    row.local->pair.bank += std::max(0.0, damped);
+    Vector3d stretch = row.stretch + h * (u_end - n.dot(u_end) * n);
+    const double limit =
+        std::min(row.bound, row.friction * row.stiffness * std::max(0.0, after)) / row.shear;
+    if (stretch.norm() > limit) stretch *= limit / stretch.norm();
+    books.friction_work -= h * row.tangential.dot(u_mean);
+    row.stretch = stretch;
+    row.point->load = row.load;
+    const Vector3d force = row.load * n + row.tangential;
+    if (row.a < 0 || row.b < 0) {
+      const double sign = row.a < 0 ? -1 : 1;  // the free body gets sign * force
+      books.impulse += (sign * h) * force;
+      books.angular_impulse += (sign * h) * row.point->place.cross(force);
+      books.outside_work -= h * force.dot(row.given);
+    }
+    const auto give = [&](int body, const Vector3d& arm, double sign) {
+      if (body < 0) return;
+      impulse[at(body)].head<3>() += (sign * h) * force;
+      impulse[at(body)].tail<3>() += (sign * h) * arm.cross(force);
+    };
+    give(row.a, row.arm_a, 1);
+    give(row.b, row.arm_b, -1);
+  }
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    BodyState& body = island.bodies[i];
+    const Vector3d mean_velocity = 0.5 * (start[i] + end[i]).head<3>();
+    const Vector3d mean_spin = 0.5 * (start[i] + end[i]).tail<3>();
+    books.outside_work +=
+        h * (body.outside_force.dot(mean_velocity) + body.outside_torque.dot(mean_spin));
+    // Gravity acts along the path, the velocities change along their mean.
+    books.damping_work -= body.mass * settings.gravity.dot((whole_shift[i] - shift[i]).head<3>());
+    const Vector3d outside = body.mass * settings.gravity + body.outside_force;
+    books.impulse += h * outside;
+    books.angular_impulse += h * (body.position.cross(outside) + body.outside_torque);
+    books.impulse_size += h * outside.norm() + impulse[i].head<3>().norm();
+    books.angular_impulse_size +=
+        h * body.position.cross(outside).norm() +
+        (body.position.cross(Vector3d(impulse[i].head<3>())) + impulse[i].tail<3>()).norm();
+    const Vector3d start_velocity = body.velocity;
+    body.velocity = start_velocity +
+                    h * (settings.gravity + body.inverse_mass * body.outside_force) +
+                    body.inverse_mass * impulse[i].head<3>();
+    body.angular_momentum += h * body.outside_torque + impulse[i].tail<3>();
+    refresh(body);
+    drift_body(body, h);
+    body.position += shift[i].head<3>();
+    body.orientation = (rotation_of(shift[i].tail<3>()) * body.orientation).normalized();
+    refresh(body);
+  }
+  island.time += h;
+  for (BodyState& body : island.bodies) {
+    if (body.path != nullptr) follow_path(body, island.time);
+  }
+}
+
+/// Stretches turn with body b; contacts begin and end.
+void keep_contacts(RestProblem& problem, Island& island, const ContactSettings& settings,
+                   double look_ahead) {
+  for (RestRow& row : problem.rows()) {
+    const BodyState& b = island.bodies[at(row.local->b)];
+    row.point->stretch_b = b.rotation.transpose() * row.stretch;
+  }
+  const auto record = [&](const ContactPair& pair, ContactChange change, double speed) {
+    ContactEvent event;
+    event.change = change;
+    event.time = island.time;
+    event.body_a = pair.a;
+    event.body_b = pair.b;
+    event.speed = speed;
+    island.books.events.push_back(event);
+  };
+  long num_contacts = 0;
+  for (LocalPair& local : island.pairs) {
+    ContactPair& pair = local.pair;
+    double fastest = 0;
+    bool is_loaded = false;
+    for (const ContactPoint& point : pair.points) {
+      if (point.load <= 0) continue;
+      is_loaded = true;
+      fastest = std::max(fastest, std::abs(closing_speed(local, island.bodies, point)));
+    }
+    if (is_loaded && !pair.is_touching) record(pair, ContactChange::kBegin, fastest);
+    pair.is_touching = pair.is_touching || is_loaded;
+    pair.is_compressing = false;
+    pair.approach_speed = least_approach_speed(settings);
+    look_at(local, island.bodies, reach_of(local, island, look_ahead, settings));
+    double deepest = -1;
+    double heaviest = 0;
+    for (ContactPoint& point : pair.points) {
+      deepest = std::max(deepest, point.depth);
+      heaviest = std::max(heaviest, point.load / point.weight);
+      if (point.depth <= point.offset) {
+        point.stretch_b.setZero();
+        point.load = 0;
+        point.is_touching = false;
+        if (point.depth <= 0) point.offset = 0;
+        continue;
+      }
+      point.is_touching = true;
+      ++num_contacts;
+      island.books.overlap_total += point.depth;
+      island.books.num_overlaps += 1;
+      island.books.max_overlap = std::max(island.books.max_overlap, point.depth);
+    }
+    pair.mean_load = heaviest;
+    if (pair.is_touching && deepest <= 0 && !is_loaded) {
+      pair.is_touching = false;
+      record(pair, ContactChange::kEnd, 0);
+    }
+  }
+  island.books.max_contacts = std::max(island.books.max_contacts, num_contacts);
+}
+
+/// Bodies and pairs at the start of a step that may be taken back.
+struct Before {
+  std::vector<BodyState> bodies;
+  std::vector<LocalPair> pairs;
+  IslandBooks books;
+  double time;
+};
+
+}  // namespace
+
+bool rest_step(Island& island, double duration, const ContactSettings& settings, bool must_take) {
+  const Before before{island.bodies, island.pairs, island.books, island.time};
+  for (LocalPair& local : island.pairs) {
+    look_at(local, island.bodies, reach_of(local, island, duration, settings));
+  }
+  const double shear_start = spring_energy(island, settings.tangential_ratio).shear;
+  for (LocalPair& local : island.pairs) {
+    relax_stiffness(local, island, settings);
+    give_back_offsets(local, duration, settings, island.books);
+  }
+  const SpringEnergy springs_start = spring_energy(island, settings.tangential_ratio);
+  const double energy_start =
+      kinetic_and_potential(island, settings.gravity) + springs_start.total();
+  const double outside_start = island.books.outside_work;
+
+  RestProblem problem;
+  problem.set_up(island, duration, settings);
+  RestProblem::Outcome outcome;
+  const int most_solves = island.num_free > kPile ? 2 : kMostSolves;
+  for (int i = 0; i < most_solves; ++i) {
+    outcome = problem.solve(settings);
+    if (i + 1 == most_solves || !stiffen_overloaded(problem, island, settings)) break;
+    problem.refresh_rows(settings);
+  }
+  move(problem, island, duration, settings);
+  keep_contacts(problem, island, settings, duration);
+  ++island.books.num_steps;
+  ++island.books.num_rest_steps;
+
+  const SpringEnergy springs_end = spring_energy(island, settings.tangential_ratio);
+  island.books.elastic_energy = springs_end.total();
+  island.books.shear_energy = springs_end.shear;
+  island.books.friction_work += shear_start - springs_end.shear;
+  island.has_forces = false;
+  const double energy_end =
+      kinetic_and_potential(island, settings.gravity) + island.books.elastic_energy;
+  const double rise = energy_end - energy_start - (island.books.outside_work - outside_start);
+  double unseen = 0;
+  for (int i = 0; i < island.num_free; ++i) {
+    unseen += island.bodies[at(i)].mass * settings.gravity.norm() * settings.rest_depth;
+  }
+  const bool is_good = outcome.converged && rise <= kUnseenRise * unseen;
+  if (!is_good && !must_take) {
+    island.bodies = before.bodies;
+    island.pairs = before.pairs;
+    island.books = before.books;
+    island.time = before.time;
+    return false;
+  }
+  island.books.energy_rise = std::max(island.books.energy_rise, rise);
+  if (std::getenv("VPAIRS") && island.time > std::atof(std::getenv("VPAIRS"))) {
+    std::fprintf(stderr, "step t=%g h=%g its=%d rise=%g\n", island.time, duration, outcome.newton_steps, rise);
+    for (auto& l : island.pairs) for (auto& p : l.pair.points) if (p.depth > -1e-5)
+      std::fprintf(stderr, "  %d-%d axis=%d id=%lx k=%.3g depth=%.3g off=%.3g load=%.4g cl=%.3g str=%.3g bank=%.3g\n", l.pair.a, l.pair.b, l.pair.last_axis, (unsigned long)p.id, l.pair.stiffness, p.depth, p.offset, p.load, closing_speed(l, island.bodies, p), p.stretch_b.norm(), l.pair.bank);
+  }
+  return true;
+}
+
+}  // namespace verisim::dem

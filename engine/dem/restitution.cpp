@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#include "dem/restitution.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace verisim::dem {
+namespace {
+
+constexpr int kBisections = 60;
+
+/// Root of a rising or falling function with a sign change in (low, high).
+template <class Function>
+double bisect(double low, double high, const Function& is_above_root) {
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = 0.5 * (low + high);
+    (is_above_root(middle) ? high : low) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+double hunt_crossley_factor(double restitution) {
+  const double e = std::clamp(restitution, kLeastRestitution, 1.0);
+  if (e >= 1) return 0;
+  // Below the root the left side grows faster than the right one, near 1/e it is infinite; the
+  // trivial root 0 is avoided because the difference is negative between it and the root.
+  return bisect(1e-12, 1 / e, [&](double d) {
+    const double rest = 1 - e * d;
+    return rest <= 0 || std::log((1 + d) / rest) > d * (1 + e);
+  });
+}
+
+double discrete_restitution(double factor, int steps) {
+  const double h = std::numbers::pi / steps;
+  double depth = 0, speed = 1, force = 0;  // unit mass, stiffness and approach speed
+  for (int i = 0; i < 100 * steps; ++i) {
+    const double half = speed - 0.5 * h * force;
+    depth += h * half;
+    if (depth <= 0) return -half;
+    const double damping = depth * factor;
+    force = std::max(0.0, depth + damping * half / (1 + 0.5 * h * damping));
+    speed = half - 0.5 * h * force;
+  }
+  return 0;  // never left
+}
+
+double calibrated_factor(double restitution, int steps) {
+  const double e = std::clamp(restitution, kLeastRestitution, 1.0);
+  if (e >= 1) return 0;
+  return bisect(0, 4 / e, [&](double d) { return discrete_restitution(d, steps) < e; });
+}
+
+}  // namespace verisim::dem

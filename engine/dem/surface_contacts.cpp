@@ -1,0 +1,447 @@
+// SPDX-License-Identifier: MIT
+#include "dem/surface_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "dem/contact_tracking.h"
+#include "dem/explicit_step.h"
+#include "dem/prescribed.h"
+#include "dem/restitution.h"
+#include "dem/surface_contact.h"
+
+namespace verisim::dem {
+namespace {
+
+using Eigen::Vector3d;
+
+// Allowed penetration where a scene names none: a share of the smallest free body, below what a
+// pixel shows.
+constexpr double kMaxPenetration = 1e-3;
+// Of the allowed penetration: depth under a resting load; what is left is for impacts on it.
+constexpr double kRestShare = 0.1;
+// Of the allowed penetration: depth of an impact. The fewer bodies an island has the less a
+// stiffer impact costs, and the less gravity acts during it.
+constexpr double kLeastImpactShare = 0.05, kMostImpactShare = 0.5, kImpactSharePerBody = 0.025;
+// Frames are taken again with wider bounds until no body left its own unseen.
+constexpr int kMostRetakes = 20;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double reach_of(const CollisionShape& shape) {
+  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return sphere->radius;
+  if (const auto* box = std::get_if<BoxShape>(&shape)) return box->half.norm();
+  if (const auto* mesh = std::get_if<MeshShape>(&shape)) return mesh->surface->reach;
+  return 0;
+}
+
+long num_samples_of(const CollisionShape& shape) {
+  if (const auto* box = std::get_if<BoxShape>(&shape)) {
+    return box->surface ? static_cast<long>(box->surface->points.size()) : 8;
+  }
+  if (const auto* mesh = std::get_if<MeshShape>(&shape)) {
+    return static_cast<long>(mesh->surface->points.size());
+  }
+  return std::holds_alternative<SphereShape>(shape) ? 1 : 0;
+}
+
+/// Half extents of a body along the world's axes (m).
+Vector3d extents_of(const BodyState& body) {
+  if (const auto* box = std::get_if<BoxShape>(body.shape)) {
+    return body.rotation.cwiseAbs() * box->half;
+  }
+  return Vector3d::Constant(body.reach);
+}
+
+BodyState plane_state(const PlaneDefinition& plane, const CollisionShape& shape, int index) {
+  BodyState state;
+  state.motion = Motion::kFixed;
+  state.shape = &shape;
+  state.index = index;
+  state.position = plane.offset * plane.normal;
+  state.orientation = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), plane.normal);
+  refresh(state);
+  return state;
+}
+
+/// Sets of bodies joined by pairs.
+class UnionFind {
+ public:
+  explicit UnionFind(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int root(int i) {
+    while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
+    return i;
+  }
+  void join(int i, int j) {
+    const int a = root(i), b = root(j);
+    parent_[at(std::max(a, b))] = std::min(a, b);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+}  // namespace
+
+SurfaceContacts::SurfaceContacts(const WorldDefinition& definition)
+    : materials_(definition.material_pairs) {
+  const int num_bodies = static_cast<int>(definition.bodies.size());
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const BodyDefinition& body : definition.bodies) {
+    shapes_.push_back(body.shape);
+    material_.push_back(body.material);
+    paths_.push_back(body.prescribed);
+    num_samples_ += num_samples_of(body.shape);
+    if (body.motion == Motion::kFree) smallest = std::min(smallest, body.size);
+  }
+  for (const PlaneDefinition& plane : definition.planes) {
+    shapes_.push_back(PlaneShape{});
+    material_.push_back(plane.material);
+  }
+  for (int b = 0; b < num_bodies; ++b) {
+    const BodyDefinition& body = definition.bodies[at(b)];
+    BodyState state;
+    state.shape = &shapes_[at(b)];
+    state.motion = body.motion;
+    state.path = body.motion == Motion::kPrescribed ? &paths_[at(b)] : nullptr;
+    state.index = b;
+    state.size = body.size;
+    state.reach = reach_of(body.shape);
+    state.mass = body.mass;
+    state.inverse_mass = state.is_free() ? 1 / body.mass : 0;
+    state.inertia_b = body.inertia_b;
+    state.inverse_inertia_b = body.inertia_b.inverse();
+    bodies_.push_back(state);
+  }
+  for (int p = 0; p < static_cast<int>(definition.planes.size()); ++p) {
+    PlaneDefinition plane = definition.planes[at(p)];
+    plane.normal.normalize();
+    bodies_.push_back(plane_state(plane, shapes_[at(num_bodies + p)], num_bodies + p));
+  }
+  const DemSettings& dem = definition.dem;
+  if (!std::isfinite(smallest)) smallest = 1;
+  chosen_.max_penetration =
+      dem.max_penetration > 0 ? dem.max_penetration : kMaxPenetration * smallest;
+  chosen_.rest_depth = kRestShare * chosen_.max_penetration;
+  settings_.gravity = definition.gravity;
+  settings_.rest_depth = chosen_.rest_depth;
+  settings_.stiffness = dem.stiffness;
+  settings_.steps_per_contact = dem.steps_per_contact;
+  settings_.rests_implicitly = dem.rests_implicitly;
+  for (const double e : materials_.restitution) {
+    factor_of_law_.push_back(calibrated_factor(e, dem.steps_per_contact));
+  }
+}
+
+void SurfaceContacts::load_bodies(const World& world) {
+  const Bodies& bodies = world.bodies;
+  for (int b = 0; b < bodies.count(); ++b) {
+    BodyState& state = bodies_[at(b)];
+    state.position = bodies.position[at(b)];
+    state.orientation = bodies.orientation[at(b)];
+    state.velocity = bodies.linear_velocity[at(b)];
+    state.angular_momentum = bodies.angular_momentum[at(b)];
+    state.spin = bodies.angular_velocity[at(b)];
+    state.inverse_inertia_all_axes = bodies.inverse_inertia_all_axes[at(b)];
+    state.outside_force = bodies.outside.force[at(b)];
+    state.outside_torque = bodies.outside.torque[at(b)];
+    refresh(state);
+  }
+  if (world.drag) {
+    BodyState& state = bodies_[at(world.drag->body)];
+    const Vector3d arm = state.rotation * world.drag->grip_b;
+    const Vector3d grip = state.position + arm;
+    const Vector3d force = world.drag->stiffness * (world.drag->target - grip) -
+                           world.drag->damping * state.velocity_at(grip);
+    state.outside_force += force;
+    state.outside_torque += arm.cross(force);
+  }
+  for (BodyState& state : bodies_) state.path_low = state.path_high = state.position;
+}
+
+void SurfaceContacts::store_bodies(World& world) const {
+  Bodies& bodies = world.bodies;
+  for (int b = 0; b < bodies.count(); ++b) {
+    const BodyState& state = bodies_[at(b)];
+    bodies.position[at(b)] = state.position;
+    bodies.orientation[at(b)] = state.orientation;
+    bodies.linear_velocity[at(b)] = state.velocity;
+    bodies.angular_velocity[at(b)] = state.spin;
+    bodies.angular_momentum[at(b)] =
+        state.is_free() ? state.angular_momentum
+                        : Vector3d(state.rotation *
+                                   (state.inertia_b * (state.rotation.transpose() * state.spin)));
+  }
+}
+
+SurfaceContacts::Bounds SurfaceContacts::bounds_over(const BodyState& body, double duration) const {
+  const double infinity = std::numeric_limits<double>::infinity();
+  if (std::holds_alternative<PlaneShape>(*body.shape)) {
+    return {Vector3d::Constant(-infinity), Vector3d::Constant(infinity)};
+  }
+  const double turn = body.spin.norm() * duration;
+  const Vector3d extents = extents_of(body).cwiseMin(Vector3d::Constant(body.reach)) +
+                           Vector3d::Constant(std::min(turn, 2.0) * body.reach);
+  const Vector3d fall =
+      body.is_free() ? Vector3d(0.5 * duration * duration * settings_.gravity) : Vector3d::Zero();
+  const Vector3d end = body.position + duration * body.velocity + fall;
+  const double margin =
+      0.25 * duration * body.velocity.norm() + fall.norm() + 2 * chosen_.max_penetration;
+  const Vector3d all =
+      extents.cwiseMin(Vector3d::Constant(body.reach)) + Vector3d::Constant(margin);
+  return {body.position.cwiseMin(end) - all, body.position.cwiseMax(end) + all};
+}
+
+PairLaw SurfaceContacts::law_of(int a, int b) const {
+  const std::size_t k = materials_.at(material_[at(a)], material_[at(b)]);
+  PairLaw law;
+  law.restitution = materials_.restitution[k];
+  law.friction = materials_.friction[k];
+  return law;
+}
+
+/// Sets pairs_ to all pairs whose bounds overlap, known ones with their points.
+void SurfaceContacts::add_pairs(double duration) {
+  (void)duration;
+  const int count = static_cast<int>(bodies_.size());
+  std::vector<std::uint64_t> keys;
+  const auto add = [&](int i, int j) {
+    const BodyState &x = bodies_[at(i)], &y = bodies_[at(j)];
+    if (!x.is_free() && !y.is_free()) return;
+    const bool swap =
+        !is_in_order(*x.shape, *y.shape) || (is_in_order(*y.shape, *x.shape) && j < i);
+    ContactPair pair;
+    pair.a = swap ? j : i;
+    pair.b = swap ? i : j;
+    keys.push_back(pair.key());
+  };
+  const auto overlap = [&](int i, int j) {
+    const Bounds &x = bounds_[at(i)], &y = bounds_[at(j)];
+    return (x.low.array() <= y.high.array()).all() && (y.low.array() <= x.high.array()).all();
+  };
+  std::vector<int> order;  // of the bounded, along the axis of the widest spread
+  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (int i = 0; i < count; ++i) {
+    if (std::holds_alternative<PlaneShape>(*bodies_[at(i)].shape)) continue;
+    order.push_back(i);
+    low = low.cwiseMin(bodies_[at(i)].position);
+    high = high.cwiseMax(bodies_[at(i)].position);
+  }
+  int axis = 0;
+  if (!order.empty()) (high - low).maxCoeff(&axis);
+  std::sort(order.begin(), order.end(), [&](int i, int j) {
+    const double x = bounds_[at(i)].low[axis], y = bounds_[at(j)].low[axis];
+    return x != y ? x < y : i < j;
+  });
+  for (std::size_t s = 0; s < order.size(); ++s) {
+    for (std::size_t t = s + 1; t < order.size(); ++t) {
+      if (bounds_[at(order[t])].low[axis] > bounds_[at(order[s])].high[axis]) break;
+      if (overlap(order[s], order[t])) add(order[s], order[t]);
+    }
+  }
+  for (int p = 0; p < count; ++p) {
+    const BodyState& plane = bodies_[at(p)];
+    if (!std::holds_alternative<PlaneShape>(*plane.shape)) continue;
+    const Vector3d up = plane.rotation.col(2);
+    for (const int i : order) {
+      const Bounds& bounds = bounds_[at(i)];
+      const Vector3d lowest = (up.array() > 0).select(bounds.low, bounds.high);
+      if (up.dot(lowest - plane.position) <= 0) add(i, p);
+    }
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<ContactPair> pairs;
+  pairs.reserve(keys.size());
+  auto known = pairs_.begin();
+  for (const std::uint64_t key : keys) {
+    while (known != pairs_.end() && known->key() < key) ++known;
+    if (known != pairs_.end() && known->key() == key) {
+      pairs.push_back(std::move(*known));
+      continue;
+    }
+    ContactPair pair;
+    pair.a = static_cast<int>(key >> 32);
+    pair.b = static_cast<int>(key & 0xffffffffu);
+    pair.law = law_of(pair.a, pair.b);
+    pair.gap = 0;  // not looked at yet
+    pairs.push_back(std::move(pair));
+  }
+  pairs_ = std::move(pairs);
+}
+
+/// Widens the bounds of bodies that left theirs; true if that makes a pair that was not looked at.
+bool SurfaceContacts::add_missed_pairs(const std::vector<BodyState>& after) {
+  std::vector<int> escaped;
+  for (const BodyState& body : after) {
+    if (!body.is_free()) continue;
+    Bounds& bounds = bounds_[at(body.index)];
+    const Vector3d extents = extents_of(body).cwiseMax(extents_of(bodies_[at(body.index)]));
+    const Vector3d low = body.path_low - extents, high = body.path_high + extents;
+    if ((low.array() >= bounds.low.array()).all() && (high.array() <= bounds.high.array()).all()) {
+      continue;
+    }
+    const double margin = 0.1 * (high - low).norm();
+    bounds.low = bounds.low.cwiseMin(low - Vector3d::Constant(margin));
+    bounds.high = bounds.high.cwiseMax(high + Vector3d::Constant(margin));
+    escaped.push_back(body.index);
+  }
+  if (escaped.empty()) return false;
+  const std::size_t before = pairs_.size();
+  add_pairs(0);
+  return pairs_.size() > before;
+}
+
+std::vector<Island> SurfaceContacts::make_islands(double time) const {
+  UnionFind sets(bodies_.size());
+  for (const ContactPair& pair : pairs_) {
+    if (bodies_[at(pair.a)].is_free() && bodies_[at(pair.b)].is_free()) sets.join(pair.a, pair.b);
+  }
+  std::vector<Island> islands;
+  std::vector<int> island_of(bodies_.size(), -1), local_of(bodies_.size(), -1);
+  for (const BodyState& body : bodies_) {
+    if (!body.is_free()) continue;
+    const int root = sets.root(body.index);
+    if (island_of[at(root)] < 0) {
+      island_of[at(root)] = static_cast<int>(islands.size());
+      islands.emplace_back();
+    }
+    const int island = island_of[at(root)];
+    island_of[at(body.index)] = island;
+    local_of[at(body.index)] = static_cast<int>(islands[at(island)].bodies.size());
+    islands[at(island)].bodies.push_back(body);
+  }
+  for (Island& island : islands) {
+    island.time = time;
+    island.num_free = static_cast<int>(island.bodies.size());
+  }
+  for (const ContactPair& pair : pairs_) {
+    const int free_one = bodies_[at(pair.a)].is_free() ? pair.a : pair.b;
+    Island& island = islands[at(island_of[at(free_one)])];
+    LocalPair local;
+    local.pair = pair;
+    const auto local_index = [&](int body) {
+      if (bodies_[at(body)].is_free()) return local_of[at(body)];
+      for (int i = island.num_free; i < static_cast<int>(island.bodies.size()); ++i) {
+        if (island.bodies[at(i)].index == body) return i;
+      }
+      island.bodies.push_back(bodies_[at(body)]);
+      return static_cast<int>(island.bodies.size()) - 1;
+    };
+    local.a = local_index(pair.a);
+    local.b = local_index(pair.b);
+    local.factor = factor_of_law_[materials_.at(material_[at(pair.a)], material_[at(pair.b)])];
+    island.pairs.push_back(std::move(local));
+  }
+  return islands;
+}
+
+void SurfaceContacts::take_parameters(const World& world) {
+  settings_.gravity = world.parameters.gravity;
+  settings_.stiffness = world.parameters.dem.stiffness;
+}
+
+StepReport SurfaceContacts::step(World& world) {
+  const double duration = world.parameters.dt, end = world.time + duration;
+  load_bodies(world);
+  bounds_.resize(bodies_.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) bounds_[i] = bounds_over(bodies_[i], duration);
+  add_pairs(duration);
+
+  std::vector<Island> islands;
+  std::vector<BodyState> after;
+  for (int take = 0; take < kMostRetakes; ++take) {
+    islands = make_islands(world.time);
+    const int num_islands = static_cast<int>(islands.size());
+    world.pool->run_ranges(num_islands, 1, [&](int begin, int last) {
+      for (int i = begin; i < last; ++i) {
+        ContactSettings settings = settings_;
+        const double share = std::clamp(kImpactSharePerBody * islands[at(i)].num_free,
+                                        kLeastImpactShare, kMostImpactShare);
+        settings.impact_depth = share * chosen_.max_penetration;
+        advance_island(islands[at(i)], end, settings);
+      }
+    });
+    after.clear();
+    for (const Island& island : islands) {
+      after.insert(after.end(), island.bodies.begin(), island.bodies.begin() + island.num_free);
+    }
+    if (!add_missed_pairs(after)) break;
+  }
+
+  StepReport report;
+  Balance& balance = world.balance;
+  elastic_energy_ = 0;
+  ContactSums sums;
+  world.contacts.events.clear();
+  std::vector<ContactPair> pairs;
+  for (Island& island : islands) {
+    const IslandBooks& books = island.books;
+    for (int i = 0; i < island.num_free; ++i)
+      bodies_[at(island.bodies[at(i)].index)] = island.bodies[at(i)];
+    for (LocalPair& local : island.pairs) pairs.push_back(std::move(local.pair));
+    balance.damping_work += books.damping_work;
+    balance.friction_work += books.friction_work;
+    balance.outside_work += books.outside_work;
+    balance.impulse += books.impulse;
+    balance.angular_impulse += books.angular_impulse;
+    balance.impulse_size += books.impulse_size;
+    balance.angular_impulse_size += books.angular_impulse_size;
+    balance.overlap_total += books.overlap_total;
+    balance.contacts_total += books.num_overlaps;
+    balance.max_overlap = std::max(balance.max_overlap, books.max_overlap);
+    elastic_energy_ += books.elastic_energy;
+    energy_rise_ = std::max(energy_rise_, books.energy_rise);
+    num_steps_ += books.num_steps;
+    sums.num_contacts += books.max_contacts;
+    sums.max_overlap = std::max(sums.max_overlap, books.max_overlap);
+    if (books.num_steps > 0) {
+      const double mean = duration / static_cast<double>(books.num_steps);
+      least_step_ = least_step_ > 0 ? std::min(least_step_, mean) : mean;
+    }
+    if (!books.is_finite && report.nonfinite_body < 0) report.nonfinite_body = books.culprit;
+    for (ContactEvent event : books.events) {
+      if (event.body_b >= world.bodies.count()) {
+        event.plane = event.body_b - world.bodies.count();
+        event.body_b = -1;
+      } else if (event.body_a > event.body_b) {
+        std::swap(event.body_a, event.body_b);
+      }
+      world.contacts.events.push_back(event);
+    }
+  }
+  std::stable_sort(world.contacts.events.begin(), world.contacts.events.end(),
+                   [](const ContactEvent& x, const ContactEvent& y) { return x.time < y.time; });
+  std::sort(pairs.begin(), pairs.end(),
+            [](const ContactPair& x, const ContactPair& y) { return x.key() < y.key(); });
+  pairs_ = std::move(pairs);
+  balance.max_contacts = std::max(balance.max_contacts, sums.num_contacts);
+  for (BodyState& body : bodies_) {
+    if (body.path != nullptr) follow_path(body, end);
+  }
+  world.halted = report.nonfinite_body >= 0;
+  if (world.halted) return report;
+  store_bodies(world);
+  world.time = end;
+  ++world.steps;
+  book_surfaces(world);
+  report.max_overlap = sums.max_overlap;
+  report.too_deep = sums.max_overlap > 0;
+  report.num_contacts = sums.num_contacts;
+  report.energy_gain = balance.energy() - balance.energy_start - balance.outside_work;
+  return report;
+}
+
+StepReport step_surfaces(World& world) { return world.surfaces->step(world); }
+
+void book_surfaces(World& world) {
+  BodySums now;
+  audit(world.bodies, 0, world.bodies.count(), now);
+  world.balance.contacts.elastic_energy = world.surfaces->elastic_energy();
+  book_state(world.balance, now, world.parameters.gravity);
+}
+
+}  // namespace verisim::dem

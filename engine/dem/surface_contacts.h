@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Method `dem`: all bodies as surfaces, pair by pair, island by island.
+#pragma once
+
+#include <vector>
+
+#include "dem/island.h"
+#include "dem/world.h"
+
+namespace verisim::dem {
+
+/// What was chosen for a world, and what it promises.
+struct Chosen {
+  double max_penetration = 0;  // m, allowed
+  double rest_depth = 0;       // m, of a spring under its resting load
+  double impact_depth = 0;     // m, of a spring stopping an impact
+};
+
+class SurfaceContacts {
+ public:
+  explicit SurfaceContacts(const WorldDefinition& definition);
+
+  /// Advances all bodies by a frame of parameters.dt; the books take what it did.
+  StepReport step(World& world);
+  /// Takes over gravity and stiffness that were changed.
+  void take_parameters(const World& world);
+
+  const std::vector<ContactPair>& pairs() const { return pairs_; }
+  const ContactSettings& settings() const { return settings_; }
+  Chosen chosen() const { return chosen_; }
+  double elastic_energy() const { return elastic_energy_; }
+  double least_step() const { return least_step_; }
+  long num_steps() const { return num_steps_; }
+  double largest_energy_rise() const { return energy_rise_; }
+  long num_samples() const { return num_samples_; }
+
+ private:
+  struct Bounds {
+    Eigen::Vector3d low, high;  // m
+  };
+  void load_bodies(const World& world);
+  void store_bodies(World& world) const;
+  Bounds bounds_over(const BodyState& body, double duration) const;
+  PairLaw law_of(int a, int b) const;
+  void add_pairs(double duration);
+  bool add_missed_pairs(const std::vector<BodyState>& after);
+  std::vector<Island> make_islands(double time) const;
+
+  ContactSettings settings_;
+  Chosen chosen_;
+  MaterialPairs materials_;
+  std::vector<CollisionShape> shapes_;   // [B + P]
+  std::vector<int> material_;            // [B + P]
+  std::vector<PrescribedMotion> paths_;  // [B]
+  std::vector<BodyState> bodies_;        // [B + P], at the start of the frame
+  std::vector<ContactPair> pairs_;       // in order of their keys, at the start of the frame
+  std::vector<Bounds> bounds_;           // [B + P], over the frame
+  std::vector<double> factor_of_law_;    // [M * M] calibrated damping of each pair of materials
+  double elastic_energy_ = 0, least_step_ = 0, energy_rise_ = 0;
+  long num_steps_ = 0, num_samples_ = 0;
+};
+
+StepReport step_surfaces(World& world);
+/// Takes energies and momenta of the present state to the books.
+void book_surfaces(World& world);
+
+}  // namespace verisim::dem
