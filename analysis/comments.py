@@ -43,7 +43,9 @@ def comment_rows(export: Export, participants: frozenset[str]) -> pd.DataFrame:
     rows = rows[columns].sort_values(columns, kind="stable")
     ratings = export.tables["ratings"]
     ratings = ratings[ratings["value"].notna()]
-    answers = ratings.pivot(index="presentation_id", columns="question", values="value")
+    # A question with several items has no single answer to stand beside a comment.
+    whole = ratings[ratings["item"] == ""]
+    answers = whole.pivot(index="presentation_id", columns="question", values="value")
     answers = answers.reindex(columns=list(export.questions)).add_prefix("rating_")
     return rows.merge(answers.reset_index(), on="presentation_id", how="left")
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from sqlalchemy import Connection, Row, func, insert, select, update
+from sqlalchemy import Connection, Row, bindparam, func, insert, select, update
 
 from verisim.study.server import tables
 from verisim.study.server.adaptive import choose_next_clip
@@ -21,6 +21,10 @@ from verisim.study.server.showings import find_trial, store_showing
 from verisim.study.server.steps import finish, out_of_order
 from verisim.study.server.submissions import Caller, Post, accept, answer_of_earlier
 
+_OPEN = select(func.min(tables.trial.c.trial_index), func.count()).where(
+    tables.trial.c.participant_id == bindparam("who"), tables.trial.c.answered_utc.is_(None)
+)
+
 
 def store_trial(
     connection: Connection, opened: OpenStudy, caller: Caller, post: Post, body: TrialBody
@@ -32,31 +36,22 @@ def store_trial(
     trial = find_trial(connection, caller, body.trial_id)
     if trial.answered_utc is not None:
         return accept(connection, caller, post, "already_answered")
-    first_open = select(func.min(tables.trial.c.trial_index)).where(
-        tables.trial.c.participant_id == caller.participant_id,
-        tables.trial.c.answered_utc.is_(None),
-    )
-    if caller.state != "active" or connection.scalar(first_open) != trial.trial_index:
+    first_open, num_open = connection.execute(_OPEN, {"who": caller.participant_id}).one()
+    if caller.state != "active" or first_open != trial.trial_index:
         raise out_of_order(caller)
     if not body.presentation.completed or body.presentation.num_plays < 1:
         raise invalid("presentation", "an answer needs a clip that was played to its end")
-    seed = select(tables.assignment.c.seed).where(
-        tables.assignment.c.participant_id == caller.participant_id
-    )
-    asked = questions_of_trial(
-        opened.study.questions, connection.scalar(seed) or "", trial.trial_index
-    )
+    asked = questions_of_trial(opened.study.questions, caller.seed, trial.trial_index)
     check_answers(asked, body.responses)
     now = utc_now()
     store_showing(connection, opened, caller, trial, body.presentation, now)
-    for response in body.responses:
-        store_response(connection, opened, trial.trial_id, body, response, now)
+    store_responses(connection, opened, trial.trial_id, body, now)
     connection.execute(
         update(tables.trial)
         .where(tables.trial.c.trial_id == trial.trial_id)
         .values(answered_utc=now)
     )
-    if connection.scalar(first_open) is not None:
+    if num_open > 1:
         choose_next_clip(connection, opened, caller.participant_id)
     elif not opened.study.end_questions:
         finish(connection, caller, now)
@@ -124,36 +119,40 @@ def store_events(
     return accept(connection, caller, post)
 
 
-def store_response(
-    connection: Connection,
-    opened: OpenStudy,
-    trial_id: int,
-    body: TrialBody,
-    response: Response,
-    now: str,
+def store_responses(
+    connection: Connection, opened: OpenStudy, trial_id: int, body: TrialBody, now: str
 ) -> None:
-    if response.value is None and not (response.value_text or "").strip():
-        return  # skipped
-    common = {
-        "presentation_id": body.presentation.presentation_id,
-        "trial_id": trial_id,
-        "question_id": opened.question_ids[response.question],
-        "rt_ms": response.rt_ms,
-        "answered_utc": now,
+    """Stores what was not skipped: numbers and options apart from free text."""
+    answers: list[dict[str, Any]] = []
+    comments: list[dict[str, Any]] = []
+    for response in body.responses:
+        if response.value is None and not (response.value_text or "").strip():
+            continue
+        common = {
+            "presentation_id": body.presentation.presentation_id,
+            "trial_id": trial_id,
+            "question_id": opened.question_ids[response.question],
+            "rt_ms": response.rt_ms,
+            "answered_utc": now,
+        }
+        if opened.study.question(response.question).is_free_text:
+            comments.append({"body": response.value_text, **common})
+        else:
+            answers.append(response_row(response) | common)
+    if answers:
+        connection.execute(insert(tables.response), answers)
+    if comments:
+        connection.execute(insert(tables.comment), comments)
+
+
+def response_row(response: Response) -> dict[str, Any]:
+    return {
+        "value": response.value,
+        "value_text": response.value_text,
+        "rt_origin": response.rt_origin,
+        "first_touch_ms": response.first_touch_ms,
+        "num_changes": response.num_changes,
+        "item": response.item,
+        "rt_onset_ms": response.rt_onset_ms,
+        "reversed": int(response.reversed),
     }
-    if opened.study.question(response.question).is_free_text:
-        connection.execute(insert(tables.comment).values(body=response.value_text, **common))
-        return
-    connection.execute(
-        insert(tables.response).values(
-            value=response.value,
-            value_text=response.value_text,
-            rt_origin=response.rt_origin,
-            first_touch_ms=response.first_touch_ms,
-            num_changes=response.num_changes,
-            item=response.item,
-            rt_onset_ms=response.rt_onset_ms,
-            reversed=int(response.reversed),
-            **common,
-        )
-    )

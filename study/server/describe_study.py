@@ -9,7 +9,6 @@ from sqlalchemy import Connection, select
 
 from verisim.study.server import tables
 from verisim.study.server.database import utc_now
-from verisim.study.server.design import plan_of_first, session_minutes
 from verisim.study.server.lists import is_full
 from verisim.study.server.open_study import OpenStudy
 from verisim.study.server.position import describe_clip
@@ -36,8 +35,7 @@ def describe_study(
     study = opened.study
     language = wanted if wanted in study.languages else study.languages[0]
     consent = study.consent[language]
-    plan = plan_of_first(study, opened.stimulus_set)
-    num_practice = sum(trial.trial_kind == "practice" for trial in plan)
+    num_trials, num_practice, minutes = opened.size
     state = connection.scalar(select(tables.study.c.state))
     if state == "open" and is_full(connection, opened, utc_now()):
         state = "full"
@@ -54,9 +52,9 @@ def describe_study(
         "instructions_html": study.instructions[language].html,
         "thanks_html": study.thanks[language].html,
         "simulated_notice": SIMULATED_NOTICE if is_simulating else None,
-        "num_trials": len(plan) - num_practice,
+        "num_trials": num_trials,
         "num_practice": num_practice,
-        "minutes": round(session_minutes(study, opened.stimulus_set), 1),
+        "minutes": minutes,
         "can_stop": study.completion.partial is not None,
         "practice_feedback": study.practice.feedback,
         "trial": {

@@ -20,7 +20,7 @@ from verisim.study.server.database import (
     utc_now,
     writing_engine,
 )
-from verisim.study.server.design import check_design, load_both
+from verisim.study.server.design import check_design, load_both, plan_of_first, session_minutes
 from verisim.study.server.json_text import to_json
 from verisim.study.server.questions import Question
 from verisim.study.server.stimulus_set import Stimulus, StimulusSet
@@ -37,6 +37,14 @@ class OpenStudy:
     stimulus_set: StimulusSet
     stimulus_ids: dict[str, int]  # by stimulus name
     question_ids: dict[str, int]  # by question key
+
+    @cached_property
+    def size(self) -> tuple[int, int, float]:
+        """Trials of a participant without practice, practice trials, and estimated minutes."""
+        plan = plan_of_first(self.study, self.stimulus_set)
+        num_practice = sum(trial.trial_kind == "practice" for trial in plan)
+        minutes = session_minutes(self.study, self.stimulus_set)
+        return len(plan) - num_practice, num_practice, round(minutes, 1)
 
     @cached_property
     def stimulus_by_id(self) -> dict[int, Stimulus]:

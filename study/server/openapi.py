@@ -50,7 +50,11 @@ def describe_api() -> dict[str, Any]:
                 "responses": {code: {"description": text} for code, text in REPLIES.items()},
             }
         }
-    for kind, security in (("study", []), ("next", [{"token": []}])):
+    secured: list[tuple[str, list[dict[str, list[str]]]]] = [
+        ("study", []),
+        ("next", [{"token": []}]),
+    ]
+    for kind, security in secured:
         paths[f"/api/{kind}"] = {
             "get": {"security": security, "responses": {"200": {"description": REPLIES["200"]}}}
         }

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from sqlalchemy import Connection, func, select
+from sqlalchemy import Connection, bindparam, func, select
 
 from verisim.study.server import tables
 from verisim.study.server.asked import questions_of_trial
@@ -30,15 +30,27 @@ STEPS = {
 ENDINGS = {"thanks": "complete", "stopped": "partial", "screened_out": "screened_out"}
 
 
+# Built once: every request asks these.
+_PROGRESS = select(func.count(), func.count(tables.trial.c.answered_utc)).where(
+    tables.trial.c.participant_id == bindparam("who")
+)
+_TWO_TRIALS = (
+    select(tables.trial)
+    .where(
+        tables.trial.c.participant_id == bindparam("who"),
+        tables.trial.c.trial_index.between(bindparam("before"), bindparam("here")),
+    )
+    .order_by(tables.trial.c.trial_index)
+)
+
+
 def next_step(connection: Connection, opened: OpenStudy, caller: Caller) -> dict[str, Any]:
     """Returns the answer of GET /api/next."""
-    trial = tables.trial.c
-    mine = trial.participant_id == caller.participant_id
-    total, done = connection.execute(
-        select(func.count(), func.count(trial.answered_utc)).where(mine)
-    ).one()
+    total, done = connection.execute(_PROGRESS, {"who": caller.participant_id}).one()
     step = STEPS[caller.state]
-    check = last_check(connection, caller.session_id)
+    check = None
+    if opened.study.screen is not None and step in ("instructions", "screened_out"):
+        check = last_check(connection, caller.session_id)
     if step == "instructions" and opened.study.screen is not None:
         if check is None or check.verdict == "refused":
             step = "screen"
@@ -49,11 +61,7 @@ def next_step(connection: Connection, opened: OpenStudy, caller: Caller) -> dict
     return {
         "step": step,
         "progress": {"done": done, "total": total},
-        "language": connection.scalar(
-            select(tables.consent.c.language).where(
-                tables.consent.c.participant_id == caller.participant_id
-            )
-        ),
+        "language": caller.language,
         "completion": completion,
         "completion_code": completion["code"] if completion and step == "thanks" else None,
         "withdraw_fragment": f"withdraw={withdrawal_of(connection, caller.participant_id)}"
@@ -65,7 +73,7 @@ def next_step(connection: Connection, opened: OpenStudy, caller: Caller) -> dict
         ]
         if step in ("screen", "screened_out")
         else [],
-        "trial": first_open_trial(connection, opened, caller) if step == "trial" else None,
+        "trial": describe_trial(connection, opened, caller, done) if step == "trial" else None,
     }
 
 
@@ -89,19 +97,15 @@ def describe_ending(
     return {"kind": kind, "code": code, "return_url": url}
 
 
-def first_open_trial(connection: Connection, opened: OpenStudy, caller: Caller) -> dict[str, Any]:
-    trial = tables.trial.c
-    mine = select(tables.trial).where(trial.participant_id == caller.participant_id)
-    row = connection.execute(
-        mine.where(trial.answered_utc.is_(None)).order_by(trial.trial_index).limit(1)
-    ).one()
-    previous = connection.execute(mine.where(trial.trial_index == row.trial_index - 1)).first()
-    seed, buttons = connection.execute(
-        select(tables.assignment.c.seed, tables.participant.c.buttons)
-        .join_from(tables.assignment, tables.participant)
-        .where(tables.participant.c.participant_id == caller.participant_id)
-    ).one()
-    asked = questions_of_trial(opened.study.questions, seed, row.trial_index)
+def describe_trial(
+    connection: Connection, opened: OpenStudy, caller: Caller, done: int
+) -> dict[str, Any]:
+    """Returns the first open trial: trials are answered in order, so `done` is its number."""
+    rows = connection.execute(
+        _TWO_TRIALS, {"who": caller.participant_id, "before": done - 1, "here": done}
+    ).all()
+    row, previous = rows[-1], rows[0] if len(rows) == 2 else None
+    asked = questions_of_trial(opened.study.questions, caller.seed, row.trial_index)
     shown = [number for number in (row.stimulus_a, row.stimulus_b) if number is not None]
     is_practice = row.trial_kind == "practice"
     # To the participant there are two kinds: practice and the rest.
@@ -117,7 +121,7 @@ def first_open_trial(connection: Connection, opened: OpenStudy, caller: Caller) 
         "conditions": {
             question.key: condition.page_fields() for question, condition in asked if condition
         },
-        "reversed": [q.key for q, _ in asked if q.has_options and buttons == "reversed"],
+        "reversed": [q.key for q, _ in asked if q.has_options and caller.buttons == "reversed"],
         "feedback": is_practice and opened.study.practice.feedback,
         "rest_before": previous is not None and previous.block > 0 and row.block > previous.block,
     }

@@ -28,13 +28,13 @@ def find_trial(connection: Connection, caller: Caller, trial_id: int) -> Row[Any
     return trial
 
 
+def planned_ids(trial: Row[Any]) -> list[int]:
+    return [number for number in (trial.stimulus_a, trial.stimulus_b) if number is not None]
+
+
 def check_showing(opened: OpenStudy, trial: Row[Any], shown: Presentation) -> None:
     """Refuses a showing of clips that are not this trial's. In which order they came may differ."""
-    planned = {
-        opened.stimulus_by_id[number].sha256
-        for number in (trial.stimulus_a, trial.stimulus_b)
-        if number is not None
-    }
+    planned = {opened.stimulus_by_id[number].sha256 for number in planned_ids(trial)}
     if len({clip.position for clip in shown.clips}) < len(shown.clips):
         raise invalid("presentation.clips", "two clips have the same position")
     foreign = [clip.sha256 for clip in shown.clips if clip.sha256 not in planned]
@@ -87,10 +87,14 @@ def store_showing(
         return
     else:
         connection.execute(update(tables.presentation).where(same).values(values))
-    own = tables.presentation_clip.c.presentation_id == shown.presentation_id
-    connection.execute(delete(tables.presentation_clip).where(own))
-    by_sha = {s.sha256: opened.stimulus_ids[s.name] for s in opened.stimulus_set.stimuli}
-    for clip in shown.clips:
-        row = clip.model_dump(exclude={"sha256"})
-        row |= {"presentation_id": shown.presentation_id, "stimulus_id": by_sha[clip.sha256]}
-        connection.execute(insert(tables.presentation_clip).values(row))
+    if known is not None:
+        own = tables.presentation_clip.c.presentation_id == shown.presentation_id
+        connection.execute(delete(tables.presentation_clip).where(own))
+    if shown.clips:
+        by_sha = {opened.stimulus_by_id[n].sha256: n for n in planned_ids(trial)}
+        rows = [
+            clip.model_dump(exclude={"sha256"})
+            | {"presentation_id": shown.presentation_id, "stimulus_id": by_sha[clip.sha256]}
+            for clip in shown.clips
+        ]
+        connection.execute(insert(tables.presentation_clip), rows)

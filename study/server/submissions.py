@@ -6,7 +6,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 
-from sqlalchemy import Connection, insert, select, update
+from sqlalchemy import Connection, bindparam, insert, select, update
 
 from verisim.study.server import tables
 from verisim.study.server.api_error import ApiError
@@ -22,6 +22,9 @@ class Caller:
     participant_id: str
     state: str  # of the participant
     completion_code: str
+    buttons: str  # normal | reversed order of options
+    seed: str  # of the participant's order
+    language: str | None  # of the consent given
 
 
 @dataclass(frozen=True)
@@ -33,19 +36,28 @@ class Post:
     raw: bytes
 
 
+# Built once: every request asks this.
+_CALLER = (
+    select(
+        tables.session.c.session_id,
+        tables.session.c.participant_id,
+        tables.participant.c.state,
+        tables.participant.c.completion_code,
+        tables.participant.c.buttons,
+        tables.assignment.c.seed,
+        tables.consent.c.language,
+    )
+    .select_from(tables.session)
+    .join(tables.participant)
+    .join(tables.assignment, tables.assignment.c.participant_id == tables.session.c.participant_id)
+    .outerjoin(tables.consent, tables.consent.c.participant_id == tables.session.c.participant_id)
+    .where(tables.session.c.token_sha256 == bindparam("token"))
+)
+
+
 def find_caller(connection: Connection, token_sha256: str) -> Caller:
     """Returns whose token this is. Raises ApiError 401 for an unknown one."""
-    session, participant = tables.session.c, tables.participant.c
-    row = connection.execute(
-        select(
-            session.session_id,
-            session.participant_id,
-            participant.state,
-            participant.completion_code,
-        )
-        .join_from(tables.session, tables.participant)
-        .where(session.token_sha256 == token_sha256)
-    ).first()
+    row = connection.execute(_CALLER, {"token": token_sha256}).first()
     if row is None:
         raise ApiError(401, "bad_token", "this token is not known", "open a new session")
     return Caller(*row)
