@@ -170,14 +170,18 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
   ContactPair& pair = local.pair;
   const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
   const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
-  double fastest = -std::numeric_limits<double>::infinity(), slowest = 0, deepest = -tolerance;
+  double fastest = -std::numeric_limits<double>::infinity(), parting = 0, deepest = -tolerance;
+  double nearest = -std::numeric_limits<double>::infinity();
   bool is_near = false;
   for (const ContactPoint& point : pair.points) {
+    const double speed = closing_speed(local, island.bodies, point);
+    if (point.depth > nearest) {
+      nearest = point.depth;
+      parting = -speed;
+    }
     if (point.depth < -tolerance) continue;
     is_near = true;
-    const double speed = closing_speed(local, island.bodies, point);
     fastest = std::max(fastest, speed);
-    slowest = std::min(slowest, speed);
     deepest = std::max(deepest, point.depth);
   }
   const auto record = [&](ContactChange change, double speed) {
@@ -212,7 +216,7 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
       point.load = 0;
       point.is_touching = false;
     }
-    record(ContactChange::kEnd, -slowest);
+    record(ContactChange::kEnd, parting);
   }
 }
 

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 
@@ -387,30 +385,6 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
     if (local.pair.is_touching) update_contact(local, island, settings, touch_down);
   }
   ++island.books.num_steps;
-  if (std::getenv("VDEBUG")) {
-    static double last = 0;
-    static int count = 0;
-    double e = island.books.elastic_energy;
-    for (int i = 0; i < island.num_free; ++i) {
-      const BodyState& body = island.bodies[static_cast<std::size_t>(i)];
-      e += 0.5 * body.mass * body.velocity.squaredNorm() +
-           0.5 * body.angular_momentum.dot(body.spin) -
-           body.mass * settings.gravity.dot(body.position);
-    }
-    if (e > last + 20 && count < 12 && last != 0) {
-      ++count;
-      std::fprintf(stderr, "t=%.9f h=%.3g e=%.9g last=%.9g\n", island.time, step, e, last);
-      for (auto& l : island.pairs)
-        for (auto& p : l.pair.points)
-          std::fprintf(stderr,
-                       "   k=%.4g v0=%.3g touch=%d id=%lu depth=%.4g off=%.4g load=%.4g "
-                       "closing=%.4g stretch=%.4g\n",
-                       l.pair.stiffness, l.pair.approach_speed, l.pair.is_touching,
-                       (unsigned long)p.id, p.depth, p.offset, p.load,
-                       closing_speed(l, island.bodies, p), p.stretch_b.norm());
-    }
-    last = e;
-  }
   return step;
 }
 

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
 
 namespace verisim::dem {
@@ -339,9 +337,6 @@ RestProblem::Outcome RestProblem::solve(const ContactSettings&) {
       stalled = residual > 0.5 * best ? stalled + 1 : 0;
       best = std::min(best, residual);
       if (stalled >= 3 && best <= 1e-5 * std::max(1.0, start)) outcome.converged = true;
-      if (std::getenv("VNEWTON"))
-        std::fprintf(stderr, "  pass %d it %d t=%.3g res=%.3g best=%.3g start=%.3g\n", pass, i, t,
-                     residual, best, start);
     }
     double change = 0;
     for (RestRow& row : rows_) {

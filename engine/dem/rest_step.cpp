@@ -25,9 +25,10 @@ constexpr int kPile = 100;  // free bodies
 constexpr int kMostSolves = 5;
 // Faster approaches (times the fall through the depth of rest) load springs by their impact.
 constexpr double kImpact = 3;
-constexpr double kImpactDepth = 10;  // depths of rest that an impact may press them in
-// Overload of a spring (of its allowed load) that is let be.
-constexpr double kOverload = 1.02;
+constexpr double kImpactDepth = 20;  // depths of rest that an impact may press them in
+// Load of a spring, of what presses it in by the depth of rest, beyond which it is stiffened and
+// below which it may soften. Wide apart, so that a load that swings a little moves neither.
+constexpr double kOverload = 1.5, kUnderload = 0.3;
 // Offsets from the projected path smaller than this share of the depth of rest are left out.
 constexpr double kUnseenShift = 1e-4;
 
@@ -96,7 +97,7 @@ void relax_stiffness(LocalPair& local, Island& island, const ContactSettings& se
   const double wanted = load / settings.rest_depth;
   if (!pair.is_touching || !is_pressed) {
     pair.stiffness = wanted;
-  } else if (wanted < pair.stiffness && !has_offset) {
+  } else if (wanted < kUnderload * pair.stiffness && !has_offset) {
     const double softer = std::max(wanted, 0.5 * pair.stiffness);
     double squares = 0;
     for (const ContactPoint& point : pair.points) {
@@ -363,11 +364,6 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
     return false;
   }
   island.books.energy_rise = std::max(island.books.energy_rise, rise);
-  if (std::getenv("VPAIRS") && island.time > std::atof(std::getenv("VPAIRS"))) {
-    std::fprintf(stderr, "step t=%g h=%g its=%d rise=%g\n", island.time, duration, outcome.newton_steps, rise);
-    for (auto& l : island.pairs) for (auto& p : l.pair.points) if (p.depth > -1e-5)
-      std::fprintf(stderr, "  %d-%d axis=%d id=%lx k=%.3g depth=%.3g off=%.3g load=%.4g cl=%.3g str=%.3g bank=%.3g\n", l.pair.a, l.pair.b, l.pair.last_axis, (unsigned long)p.id, l.pair.stiffness, p.depth, p.offset, p.load, closing_speed(l, island.bodies, p), p.stretch_b.norm(), l.pair.bank);
-  }
   return true;
 }
 
