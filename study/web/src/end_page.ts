@@ -4,6 +4,7 @@ import { confirmed } from "./confirm";
 import type { Completion } from "./contract";
 import { make } from "./field";
 import { focusTitle, page, showMessage, titled } from "./screens";
+import { firstAddress, visitFrom } from "./session";
 import type { StudyPage } from "./study_page";
 import type { Texts } from "./texts";
 
@@ -60,9 +61,9 @@ function addWithdrawal(card: HTMLElement, fragment: string, study_page: StudyPag
   const erase = make("button", "quiet", texts.withdraw_button);
   erase.type = "button";
   erase.addEventListener("click", () => {
-    void confirmed(texts.withdraw_title, texts.withdraw_text, texts.withdraw_yes, texts.withdraw_no).then((is_sure) =>
-      is_sure ? study_page.withdraw(page()) : undefined,
-    );
+    void confirmed(texts.withdraw_title, texts.withdraw_text, texts.withdraw_yes, texts.withdraw_no).then(async (is_sure) => {
+      if (is_sure) addNextParticipant(await study_page.withdraw(page()), study_page);
+    });
   });
   const row = make("div", "withdraw-row");
   row.append(copyButton(address, texts), erase);
@@ -72,8 +73,9 @@ function addWithdrawal(card: HTMLElement, fragment: string, study_page: StudyPag
 
 /** On a computer of the lab the next participant follows; on their own device everybody takes part once. */
 function addNextParticipant(card: HTMLElement, study_page: StudyPage): void {
-  const { study, visit, texts } = study_page;
-  if (!study.kiosk && visit.source !== "lab" && visit.source !== "pilot") return;
+  const { study, texts } = study_page;
+  const { source } = visitFrom(location.origin + firstAddress()); // by now the address no longer says it
+  if (!study.kiosk && source !== "lab" && source !== "pilot") return;
   const again = make("button", "button", texts.next_participant);
   again.type = "button";
   again.addEventListener("click", () => study_page.startOver());

@@ -44,6 +44,11 @@ export class QuestionForm {
     this.heading = make("h1", "visually-hidden", settings.title);
     this.heading.tabIndex = -1;
     this.element.noValidate = true;
+    // The pointer may lie on an answer by chance: nothing lights up under it before it moves.
+    this.element.classList.add("is-fresh");
+    this.element.addEventListener("pointermove", (event) => {
+      if (event.movementX || event.movementY) this.element.classList.remove("is-fresh");
+    });
     this.element.append(this.heading);
     // Many questions stand beside their answers, so that all fit on one screen.
     this.element.classList.toggle("is-long", questions.length > 2);

@@ -77,18 +77,10 @@ export class StudyPage {
   async decide(display: HTMLElement, agreed: boolean): Promise<void> {
     const { study, visit } = this;
     const environment = await this.environment;
-    try {
-      this.session ??= await patiently(display, this.texts, () =>
-        openSession(study.name, visit, environment, this.enrolment_id),
-      );
-    } catch (cause) {
-      const refusal = cause instanceof RequestFailed && cause.status === 403 && this.texts.refusals[cause.code];
-      if (!refusal) throw cause;
-      const [title, text] = refusal;
-      showMessage(display, this.texts, { title, text });
-      return new Promise(() => undefined); // there is nothing to go on to
+    if (!this.session) {
+      this.session = await this.enrol(display, environment);
+      cleanAddress(visit.lang);
     }
-    cleanAddress(visit.lang);
     await this.post("/api/consent", {
       agreed,
       form_version: study.consent.version,
@@ -96,6 +88,20 @@ export class StudyPage {
       language: study.language,
     }, "drop");
     this.has_decided = true;
+  }
+
+  /** Opens a session; where the server takes no more people, says why and stays there. */
+  private async enrol(display: HTMLElement, environment: Environment): Promise<Session> {
+    const { study, visit, texts } = this;
+    try {
+      return await patiently(display, texts, () => openSession(study.name, visit, environment, this.enrolment_id));
+    } catch (cause) {
+      const refusal = cause instanceof RequestFailed && cause.status === 403 && texts.refusals[cause.code];
+      if (!refusal) throw cause;
+      const [title, text] = refusal;
+      showMessage(display, texts, { title, text });
+      return new Promise(() => undefined); // there is nothing to go on to
+    }
   }
 
   instructionsRead(): Promise<unknown> {
@@ -126,9 +132,9 @@ export class StudyPage {
   }
 
   /** Deletes everything of this visit, on the server and here. */
-  async withdraw(display: HTMLElement): Promise<void> {
+  async withdraw(display: HTMLElement): Promise<HTMLElement> {
     const body = { submission_id: crypto.randomUUID(), confirm: true };
-    if (!this.session) return;
+    if (!this.session) throw new Error("nobody to withdraw");
     const { token } = this.session;
     try {
       await patiently(display, this.texts, () => request("/api/withdraw", { token, body }));
@@ -138,7 +144,7 @@ export class StudyPage {
     }
     await this.outbox.discard(token);
     forgetSession(this.study.name);
-    showMessage(display, this.texts, { title: this.texts.withdrawn_title, text: this.texts.withdrawn_text });
+    return showMessage(display, this.texts, { title: this.texts.withdrawn_title, text: this.texts.withdrawn_text });
   }
 
   /** Keeps the answer of the present trial and what happened meanwhile. */

@@ -17,16 +17,16 @@ export const german: Texts = {
   practice_title: "Zuerst zur Übung",
   practiceText: (n, clips_each) =>
     clips_each > 1
-      ? `${n === 1 ? "Ein Paar von Clips" : `${n} Paare von Clips`} zum Kennenlernen. Beide Clips laufen einmal, dann erscheinen die Fragen.`
-      : `${n === 1 ? "Ein Clip" : `${n} Clips`} zum Kennenlernen. Jeder Clip läuft einmal, dann erscheinen die Fragen.`,
+      ? `${n === 1 ? "Ein Paar Filme" : `${n} Paare Filme`} zum Kennenlernen. Beide Filme laufen einmal, dann erscheinen die Fragen.`
+      : `${n === 1 ? "Ein Film" : `${n} Filme`} zum Kennenlernen. Jeder Film läuft einmal, dann erscheinen die Fragen.`,
   main_title: "Die Übung ist vorbei",
   mainText: (n, clips_each) => {
-    const clips = clips_each > 1 ? (n === 1 ? "ein Paar von Clips" : `${n} Paare von Clips`) : n === 1 ? "ein Clip" : `${n} Clips`;
+    const clips = clips_each > 1 ? (n === 1 ? "ein Paar Filme" : `${n} Paare Filme`) : n === 1 ? "ein Film" : `${n} Filme`;
     return `Jetzt beginnt die eigentliche Studie: ${clips}. Ab hier gibt es keine richtigen oder falschen Antworten; Ihr Eindruck zählt.`;
   },
   feedback_title: (is_right) => (is_right ? "Das stimmt" : "Nicht ganz"),
   feedbackText: (is_right) =>
-    is_right ? "Sie haben gesehen, was dieser Übungsclip zeigen sollte." : "Dieser Übungsclip sollte etwas anderes zeigen.",
+    is_right ? "Sie haben gesehen, was dieser Übungsfilm zeigen sollte." : "Dieser Übungsfilm sollte etwas anderes zeigen.",
   rest_title: "Zeit für eine kurze Pause",
   restText: (done, total) =>
     `Sie haben ${done} von ${total} geschafft. Schauen Sie einen Moment vom Bildschirm weg und machen Sie weiter, wenn Sie bereit sind.`,
@@ -52,12 +52,12 @@ export const german: Texts = {
   check_again: "Noch einmal prüfen",
   viewport_title: "Das Fenster ist zu klein",
   viewportText: (w, h, now_w, now_h) =>
-    `Die Clips brauchen ein Fenster von ${w} × ${h} Pixeln; dieses hat ${now_w} × ${now_h}. Bitte vergrößern Sie es, zoomen Sie heraus oder gehen Sie in den Vollbildmodus.`,
+    `Die Filme brauchen ein Fenster von ${w} × ${h} Pixeln; dieses hat ${now_w} × ${now_h}. Bitte vergrößern Sie es, zoomen Sie heraus oder gehen Sie in den Vollbildmodus.`,
   fullscreen_title: "Vollbild",
-  fullscreen_text: "Die Clips sieht man am besten, wenn nichts anderes zu sehen ist. Mit der Escape-Taste verlassen Sie das Vollbild jederzeit.",
+  fullscreen_text: "Die Filme sieht man am besten, wenn nichts anderes zu sehen ist. Mit der Escape-Taste verlassen Sie das Vollbild jederzeit.",
   fullscreen_needed: "Diese Studie läuft im Vollbild. Mit der Escape-Taste verlassen Sie es jederzeit.",
   fullscreen_back_title: "Zurück zum Vollbild",
-  fullscreen_back_text: "Diese Studie läuft im Vollbild. Bitte kehren Sie vor dem nächsten Clip dorthin zurück.",
+  fullscreen_back_text: "Diese Studie läuft im Vollbild. Bitte kehren Sie vor dem nächsten Film dorthin zurück.",
   go_fullscreen: "Zum Vollbild",
   stay_in_window: "Im Fenster bleiben",
   card_title: "Wie groß ist Ihr Bildschirm?",
@@ -74,25 +74,25 @@ export const german: Texts = {
   checking_text: "Das dauert ein paar Sekunden.",
   screen_title: "Dieser Bildschirm passt noch nicht",
   screened_out_title: "Dieses Gerät kann die Studie nicht zeigen",
-  screened_out_text: "Danke für Ihr Interesse. Die Clips lassen sich hier nicht so zeigen, wie es die Studie braucht:",
+  screened_out_text: "Danke für Ihr Interesse. Die Filme lassen sich hier nicht so zeigen, wie es die Studie braucht:",
   screen_problems: {
     phone: "Die Studie braucht einen Computer; auf dem Telefon läuft sie nicht.",
-    viewport: "Das Fenster ist zu klein für die Clips.",
-    refresh: "Die Bildwiederholrate dieses Bildschirms passt nicht zu den Clips.",
-    codec: "Dieser Browser spielt die Clips nicht ab.",
+    viewport: "Das Fenster ist zu klein für die Filme.",
+    refresh: "Die Bildwiederholrate dieses Bildschirms passt nicht zu den Filmen.",
+    codec: "Dieser Browser spielt die Filme nicht ab.",
     fullscreen: "Die Studie läuft im Vollbild.",
     calibration: "Die Größe des Bildschirms muss mit einer Karte gemessen werden.",
     distance: "Der Abstand zum Bildschirm liegt außerhalb dessen, was die Studie erlaubt.",
-    px_per_degree: "Aus diesem Abstand sind die Clips für das Auge zu groß oder zu klein. Bitte setzen Sie sich näher heran oder weiter weg.",
+    px_per_degree: "Aus diesem Abstand sind die Filme für das Auge zu groß oder zu klein. Bitte setzen Sie sich näher heran oder weiter weg.",
   },
 
-  loading_clip: "Der Clip wird geladen",
-  press_to_start: "Drücken, um den Clip zu starten",
-  clip_shown: "Der Clip läuft. Danach kommen die Fragen.",
-  clipNumber: (n) => (n === 1 ? "Erster Clip" : "Zweiter Clip"),
+  loading_clip: "Der Film wird geladen",
+  press_to_start: "Drücken, um den Film zu starten",
+  clip_shown: "Der Film läuft. Danach kommen die Fragen.",
+  clipNumber: (n) => (n === 1 ? "Erster Film" : "Zweiter Film"),
 
-  questions_title: "Ihr Eindruck vom Clip",
-  questions_title_pair: "Ihr Eindruck von den beiden Clips",
+  questions_title: "Ihr Eindruck vom Film",
+  questions_title_pair: "Ihr Eindruck von den beiden Filmen",
   keysHint: "Sie können mit den Zifferntasten antworten.",
   pointName: (point, points, name) => `${point} von ${points}${name ? `, ${name}` : ""}`,
   sliderEmpty: (low, high) => `noch keine Antwort; von ${low} bis ${high}`,
@@ -117,7 +117,7 @@ export const german: Texts = {
   markAt: (ms) => `bei ${(ms / 1000).toFixed(2).replace(".", ",")} s`,
   mark_hint: "Drücken Sie an der fraglichen Stelle die Leertaste.",
   mark_paused: "Ist es diese Stelle? Die Pfeiltasten gehen Bild für Bild.",
-  mark_over: "Der Clip ist zu Ende. Die Pfeiltasten gehen Bild für Bild zurück.",
+  mark_over: "Der Film ist zu Ende. Die Pfeiltasten gehen Bild für Bild zurück.",
   mark_pause: "Anhalten",
   mark_earlier: "Früher",
   mark_later: "Später",
@@ -168,13 +168,13 @@ export const german: Texts = {
   session_lost_title: "Dieser Besuch ist nicht mehr bekannt",
   session_lost_text: "Die Studie erkennt den früheren Besuch dieses Browsers nicht wieder. Bitte sagen Sie der Versuchsleitung Bescheid, oder beginnen Sie von vorn.",
   start_over: "Von vorn beginnen",
-  clip_title: "Der Clip ließ sich nicht zeigen",
+  clip_title: "Der Film ließ sich nicht zeigen",
   clip_text: {
-    status: "Die Studie hat den Clip nicht geliefert.",
-    no_bytes: "Der Clip kam nicht vollständig an. Vielleicht ist die Verbindung langsam oder unterbrochen.",
-    wrong_bytes: "Der Clip kam beschädigt an.",
-    not_playable: "Dieser Browser kann den Clip nicht abspielen.",
-    stuck: "Der Clip blieb stehen.",
+    status: "Die Studie hat den Film nicht geliefert.",
+    no_bytes: "Der Film kam nicht vollständig an. Vielleicht ist die Verbindung langsam oder unterbrochen.",
+    wrong_bytes: "Der Film kam beschädigt an.",
+    not_playable: "Dieser Browser kann den Film nicht abspielen.",
+    stuck: "Der Film blieb stehen.",
   },
   clip_advice: "Nichts ist verloren. Bitte versuchen Sie es noch einmal; wenn es wieder geschieht, sagen Sie der Versuchsleitung Bescheid.",
   broken_title: "Etwas ist schiefgegangen",

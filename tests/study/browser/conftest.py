@@ -3,16 +3,14 @@
 
 from __future__ import annotations
 
-import csv
-import hashlib
-import json
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from mini_clips import write_set
 from playwright.sync_api import Browser, sync_playwright
-from study_site import NUM_FRAMES, STUDY, WEB, StudyServer, Visit
+from study_site import STUDY, WEB, StudyServer, Visit
 
 QUIET = [
     "--no-sandbox",
@@ -36,41 +34,17 @@ def page_build() -> Path:
 @pytest.fixture(scope="session")
 def clips(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A stimulus directory: one practice clip, three test clips, one catch clip; 0.3 s, 320x180."""
-    directory = tmp_path_factory.mktemp("clips")
-    rows = []
-    for i, role in enumerate(["practice", "test", "test", "test", "catch"]):
-        file = directory / f"clip_{i}.mp4"
-        source = f"testsrc2=size=320x180:rate=60:duration={NUM_FRAMES / 60}"
-        command = f"ffmpeg -v error -f lavfi -i {source} -vf hue=h={60 * i} -c:v libx264 "
-        command += f"-pix_fmt yuv420p -movflags +faststart {file}"
-        subprocess.run(command.split(), check=True)
-        sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
-        file.with_suffix(".json").write_text(json.dumps({"video_sha256": sha256}))
-        rows.append(
-            {
-                "stimulus": f"clip_{i}",
-                "scene": "scene",
-                "role": role,
-                "method": "seed",
-                "seed": 1,
-                "reference": "clip_3" if i in (1, 2) else "",
-                "file": file.name,
-                "sha256": sha256,
-                "num_bytes": file.stat().st_size,
-                "width_px": 320,
-                "height_px": 180,
-                "frame_rate_hz": 60,
-                "num_frames": NUM_FRAMES,
-                "duration_s": NUM_FRAMES / 60,
-                "content_key": f"key_{i}",
-            }
-        )
-    with (directory / "manifest.csv").open("w", newline="") as manifest:
-        writer = csv.DictWriter(manifest, list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
-    (directory / "set.json").write_text(json.dumps({"name": "mini"}))
-    return directory
+    roles = ["practice", "test", "test", "test", "catch"]
+    rows = [
+        {
+            "stimulus": f"clip_{i}",
+            "scene": "scene",
+            "role": role,
+            "reference": "clip_3" if i in (1, 2) else "",
+        }
+        for i, role in enumerate(roles)
+    ]
+    return write_set(tmp_path_factory.mktemp("clips"), "mini", rows)
 
 
 @pytest.fixture

@@ -14,6 +14,25 @@ TEXT_SCREEN = (
     ".jspsych-btn-group-flex button:enabled, .message:not(.end):not([role]) .primary:enabled"
 )
 
+# Again and again, for an answer can bring up questions and take others away.
+ANSWER_ALL = """(choice) => {
+    const answered = new Set();
+    const form = document.querySelector('form.questions');
+    const open = () => [...form.querySelectorAll('[role=radiogroup], .track, textarea')]
+        .find((it) => !answered.has(it) && it.checkVisibility());
+    for (let it = open(); it; it = open()) {
+        answered.add(it);
+        if (it.matches('[role=radiogroup]')) it.querySelectorAll('input')[choice].click();
+        else if (it.matches('.track')) {
+            const key = choice ? 'End' : 'Home';
+            it.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true}));
+        } else {
+            it.value = `comment ${choice}`;
+            it.dispatchEvent(new InputEvent('input', {bubbles: true}));
+        }
+    }
+}"""
+
 
 class Participant:
     def __init__(self, page: Page) -> None:
@@ -65,16 +84,8 @@ class Participant:
         self.given.append(chosen)
 
     def answer_anything(self, choice: int = 0) -> None:
-        """Answers every question on the page; choice: position within each group of buttons."""
-        form = self.page.locator(FORM)
-        for group in form.get_by_role("radiogroup").all():
-            if group.is_visible():  # answers bring further questions up and take others away
-                group.get_by_role("radio").nth(choice).check()
-        for slider in form.get_by_role("slider").all():
-            slider.press(str(choice))
-        for box in form.get_by_role("textbox").all():
-            if box.is_visible():
-                box.fill(f"comment {choice}")
+        """Answers every question on the page at once; choice: position within each group."""
+        self.page.evaluate(ANSWER_ALL, choice)
 
     def submit(self) -> None:
         self.press("Continue")
@@ -100,6 +111,38 @@ class Participant:
                 self.submit()
                 i += 1
         return self.page.locator(".code").inner_text()
+
+    def go_through(self) -> int:
+        """Takes part in any study, from consent to the last page; returns the number of forms."""
+        num_forms = 0
+        screens = {
+            "form": FORM,
+            "consent": "button[data-choice='1']",
+            "card": ".bank-card",
+            "distance": "#distance-cm",
+            "text": f"{TEXT_SCREEN}, .text .primary",
+            "end": ".end",
+        }
+        while True:
+            self.page.locator(", ".join(screens.values())).first.wait_for()
+            screen = next(it for it, where in screens.items() if self.page.locator(where).count())
+            title = self.page.get_by_role("heading").first
+            before = title.inner_text()
+            if screen == "end":
+                return num_forms
+            if screen == "form":
+                self.wait_for_questions()
+                self.answer_anything(num_forms % 2)
+                self.submit()
+                num_forms += 1
+                continue
+            if screen == "consent":
+                self.page.locator("button[data-choice='0']").click()
+            elif screen == "text" and self.page.get_by_role("button", name="Stay").count():
+                self.press("Stay in the window")
+            else:
+                self.page.locator(".primary:enabled").first.click()
+            self.page.get_by_role("heading", name=re.escape(before)).wait_for(state="detached")
 
     def num_undelivered(self) -> int:
         """Letters in the browser's outbox."""

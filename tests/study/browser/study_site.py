@@ -3,11 +3,15 @@
 
 from __future__ import annotations
 
+import atexit
 import multiprocessing
+import shutil
 import socket
 import sqlite3
+import tempfile
 import time
 import urllib.request
+from functools import cache
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 from typing import Any
@@ -16,9 +20,9 @@ from page_participant import Participant
 from playwright.sync_api import BrowserContext, Page
 
 from verisim.study.server import serve
+from verisim.study.server.database import prepare_database
 
 WEB = Path(__file__).resolve().parents[3] / "study" / "web"
-NUM_FRAMES = 18
 SIMULATE_KEY = "browser-test-key"
 
 STUDY = """\
@@ -51,6 +55,16 @@ FORKS = multiprocessing.get_context("forkserver")
 FORKS.set_forkserver_preload(["verisim.study.server"])
 
 
+@cache
+def empty_database() -> Path:
+    """A database with tables and no rows, to start from: that spares each server 0.4 s of CPU."""
+    folder = tempfile.TemporaryDirectory(prefix="verisim-")
+    atexit.register(folder.cleanup)
+    database = Path(folder.name) / "empty.db"
+    prepare_database(database)
+    return database
+
+
 class StudyServer:
     """The study server in a process of its own, which can be killed and started again."""
 
@@ -62,6 +76,7 @@ class StudyServer:
             (folder / name).write_text(text)
         self.clips = clips
         self.db = folder / "study.db"
+        shutil.copy(empty_database(), self.db)
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]

@@ -6,6 +6,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+from mini_studies import IN_TWO_LANGUAGES
+from page_participant import TEXT_SCREEN
 from playwright.sync_api import Route, expect
 from study_site import StudyServer, Visit
 
@@ -160,3 +163,33 @@ def test_a_visit_that_the_server_does_not_know_says_so(
     one.wait_for_heading("This visit is no longer known")
     one.press("Start from the beginning")
     one.come_to_questions()
+
+
+@pytest.mark.parametrize("study_server", [IN_TWO_LANGUAGES], indirect=True)
+def test_the_last_page_waits_until_the_last_answer_is_delivered(
+    visit: Visit, study_server: StudyServer
+) -> None:
+    one = visit.open()
+    one.come_to_questions()
+    for _ in range(5):
+        one.wait_for_questions()
+        one.answer_anything()
+        one.submit()
+        while one.wait_for_screen() == "text":
+            title = one.page.get_by_role("heading").first.inner_text()
+            one.page.locator(TEXT_SCREEN).first.click()
+            one.page.get_by_role("heading", name=title).wait_for(state="detached")
+    one.wait_for_heading("A few last questions")
+    study_server.kill()
+    one.answer_anything()
+    one.submit()
+    one.wait_for_heading("Connection lost")
+    with one.page.expect_download() as downloading:
+        one.press("Download my answers")
+    kept = json.loads(downloading.value.path().read_text())
+    assert [letter["path"] for letter in kept] == ["/api/end_questions"]
+    assert one.page.locator(".code").count() == 0
+    study_server.start()
+    one.page.locator(".code").wait_for()
+    assert one.num_undelivered() == 0
+    assert len(study_server.rows("SELECT * FROM session_answer")) == 2

@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 from axe import findings
+from mini_clips import NUM_FRAMES
 from mini_studies import PAIRS
 from playwright.sync_api import Browser, expect
-from study_site import NUM_FRAMES, StudyServer, Visit
+from study_site import StudyServer, Visit
 
 pairs = pytest.mark.parametrize("study_server", [PAIRS], indirect=True)
 

@@ -187,3 +187,30 @@ def test_a_mark_can_be_set_moved_by_frames_and_taken_back(
     assert 0 <= mark["value"] <= 217
     [shown] = study_server.rows("SELECT num_plays, num_mark_plays FROM presentation")
     assert shown == {"num_plays": 1, "num_mark_plays": 3}
+
+
+@all_kinds
+def test_no_answer_lights_up_because_the_pointer_happens_to_lie_on_it(
+    visit: Visit, study_server: StudyServer
+) -> None:
+    del study_server
+    one = visit.open()
+    page = one.page
+    one.come_to_questions()
+    face = page.locator(".point-face").first
+    box = face.bounding_box()  # the next form lies where this one does
+    assert box is not None
+    one.answer_anything()
+    page.get_by_role("button", name="Continue").press("Enter")
+    one.wait_for_heading("Practice is over")
+    page.get_by_role("button", name="Continue").press("Enter")
+    page.locator(".stage").wait_for()
+    page.mouse.move(box["x"] + 10, box["y"] + 10)  # while the clip plays
+    one.wait_for_questions()
+    is_plain = "(it) => getComputedStyle(it).backgroundColor === 'rgba(0, 0, 0, 0)'"
+    page.wait_for_timeout(200)  # colours fade in within 120 ms
+    assert face.evaluate("(it) => it.parentElement.matches(':hover')")
+    assert face.evaluate(is_plain)
+    page.mouse.move(box["x"] + 14, box["y"] + 14)
+    page.wait_for_timeout(200)
+    assert not face.evaluate(is_plain)

@@ -208,25 +208,20 @@ def test_a_preview_of_the_task_enrols_nobody(visit: Visit, study_server: StudySe
     assert states(study_server) == []
 
 
-@pytest.mark.parametrize(
-    ("state", "title"),
-    [("paused", "The study is paused"), ("closed", "The study is closed")],
-)
 def test_a_study_that_is_not_open_says_so_and_lets_running_visits_finish(
-    browser: Browser, study_server: StudyServer, state: str, title: str
+    browser: Browser, visit: Visit, study_server: StudyServer
 ) -> None:
-    running = Visit(browser.new_context(), study_server)
-    one = running.open()
+    one = visit.open()
     one.come_to_questions()
-    study_server.change(f"UPDATE study SET state = '{state}'")
-    other = Visit(browser.new_context(), study_server)
-    two = other.open()
-    two.wait_for_heading(title)
+    for state, title in (("paused", "The study is paused"), ("closed", "The study is closed")):
+        study_server.change(f"UPDATE study SET state = '{state}'")
+        context = browser.new_context()
+        Visit(context, study_server).open().wait_for_heading(title)
+        context.close()
     one.answer(0)
     one.submit()
     one.wait_for_heading("Practice is over")
-    running.context.close()
-    other.context.close()
+    assert len(states(study_server)) == 1
 
 
 # A computer whose clock jumps a day at every look, back and forth.
@@ -271,3 +266,18 @@ def test_every_word_of_the_page_exists_in_german(page_build: None) -> None:
     english, german = lines
     assert english.keys() == german.keys()
     assert [key for key in english if english[key] == german[key]] == []
+
+
+@pytest.mark.parametrize("study_server", [(IN_TWO_LANGUAGES, {"kiosk": True})], indirect=True)
+def test_in_a_kiosk_one_key_brings_the_next_participant(
+    visit: Visit, study_server: StudyServer
+) -> None:
+    one = visit.open()
+    one.come_to_questions()
+    one.press("Stop here")
+    one.page.get_by_role("dialog").get_by_role("button", name="Stop here").click()
+    one.wait_for_heading("You stopped early")
+    one.page.keyboard.press("n")
+    one.page.get_by_role("button", name="I agree to take part").wait_for()
+    assert one.page.url == f"{study_server.address}/"
+    assert one.page.evaluate("Object.keys(localStorage)") == []

@@ -7,8 +7,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from mini_clips import NUM_FRAMES
 from playwright.sync_api import Browser
-from study_site import NUM_FRAMES, StudyServer, Visit
+from study_site import StudyServer, Visit
 
 
 def test_a_whole_study_with_a_reload_stores_exactly_the_answers_given(
@@ -109,39 +110,35 @@ def test_declining_is_recorded_and_sends_nothing_before(
     assert sorted(states) == ["active", "declined"]
 
 
-@pytest.mark.parametrize(
-    ("width", "height", "ratio", "shown"),
-    [
+def test_clips_are_shown_at_whole_multiples_of_their_pixels(
+    browser: Browser, study_server: StudyServer
+) -> None:
+    windows = [
         (1280, 720, 1, (1280, 720)),  # 4 times
         (1279, 720, 1, (960, 540)),  # 3 times: the next whole multiple
         (390, 844, 3, (960, 540)),  # 3 times, in device pixels
         (300, 600, 1, (300, 169)),  # too small for the clip: scaled down
-    ],
-)
-def test_clips_are_shown_at_whole_multiples_of_their_pixels(
-    browser: Browser,
-    study_server: StudyServer,
-    width: int,
-    height: int,
-    ratio: int,
-    shown: tuple[int, int],
-) -> None:
-    context = browser.new_context(
-        viewport={"width": width, "height": height}, device_scale_factor=ratio
+    ]
+    for width, height, ratio, shown in windows:
+        context = browser.new_context(
+            viewport={"width": width, "height": height}, device_scale_factor=ratio
+        )
+        one = Visit(context, study_server).open()
+        one.come_to_first_clip()
+        one.wait_for_clip()
+        box = one.page.locator("video").bounding_box()
+        assert box is not None
+        assert (box["width"] * ratio, box["height"] * ratio) == pytest.approx(shown, abs=0.1)
+        one.wait_for_questions()
+        one.answer(0)
+        one.submit()
+        one.wait_for_heading("Practice is over")
+        context.close()
+    rows = study_server.rows(
+        "SELECT displayed_w_px w, displayed_h_px h, scale FROM presentation ORDER BY received_utc"
     )
-    one = Visit(context, study_server).open()
-    one.come_to_first_clip()
-    one.wait_for_clip()
-    box = one.page.locator("video").bounding_box()
-    assert box is not None
-    assert (box["width"] * ratio, box["height"] * ratio) == pytest.approx(shown, abs=0.1)
-    one.wait_for_questions()
-    one.answer(0)
-    one.submit()
-    one.wait_for_heading("Practice is over")
-    [row] = study_server.rows("SELECT displayed_w_px w, displayed_h_px h FROM presentation")
-    assert (row["w"], row["h"]) == shown
-    context.close()
+    assert [(row["w"], row["h"]) for row in rows] == [shown for *_, shown in windows]
+    assert [row["scale"] for row in rows] == [4, 3, 3, None]
 
 
 def test_the_page_passes_the_type_checker(page_build: Path) -> None:
