@@ -270,6 +270,7 @@ completion: {code: DONE42, return_url: "https://example.org/complete?cc={code}",
   - {key: where, kind: mark, prompt: {en: Where?}, ask: {if: plausible == 0}, max_marks: 2}
   - {key: fun, kind: slider""",
 )
+BETWEEN = STUDY.replace("seed: 7,", "seed: 7, between: {factor: scene, quota: 2},")
 PAIRS = (
     STUDY.replace("layout: single", "layout: [sequential, side_by_side]")
     .replace(

@@ -9,14 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from study_tools import STUDY, Person, Server, error_code, session_body, write_study
+from study_tools import BETWEEN, STUDY, Person, Server, error_code, session_body, write_study
 
 from verisim.study.problems import StudyError
 from verisim.study.server.links import close_links, make_links
 from verisim.study.server.open_study import open_study
 from verisim.study.server.researcher import at_work_on
-
-BETWEEN = STUDY.replace("seed: 7,", "seed: 7, between: {factor: scene, quota: 2},")
 
 
 def enrol(server: Server, **changes: Any) -> Any:
