@@ -152,5 +152,5 @@ def test_two_hundred_paced_participants_wait_little(
         f"most {ms[-1]:.1f} ms, errors {len(crowd.errors)}"
     )
     assert crowd.errors == []
-    # How long it takes is for the report: it hangs on what else the machine does. The page waits 15 s.
+    # How long it takes hangs on what else the machine does; the page waits 15 s.
     assert ms[-1] < 15_000

@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import csv
+import json
 import shutil
+import sqlite3
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -185,3 +187,21 @@ def test_raters_with_a_stated_threshold_pull_the_track_to_it(
         means[threshold] = sum(sizes) / len(sizes)
     # Magnitudes are log2(size): 0.26, 0.58, 1, 1.58. Measured means: 1.33 and 2.5.
     assert means[0.3] < 1.7 < 2.0 < means[1.4]
+
+
+def test_tracks_of_pairs_choose_a_clip_and_its_reference(tracks_set: Path, tmp_path: Path) -> None:
+    order = TRACKS[TRACKS.index("order:") : TRACKS.index("exclude:")]
+    text = PAIRS[: PAIRS.index("order:")] + order + PAIRS[PAIRS.index("exclude:") :]
+    text = text.replace("question: plausible", "question: which\n  pairs: {with: reference}")
+    db = tmp_path / "pairs.db"
+    simulate(write_study(tmp_path / "study", text), tracks_set, db, 3, 1)
+    with sqlite3.connect(db) as connection:
+        rows = connection.execute(
+            "SELECT a.reference, a.name, b.reference, b.name, expected_json FROM trial "
+            "JOIN stimulus a ON a.stimulus_id = stimulus_a "
+            "JOIN stimulus b ON b.stimulus_id = stimulus_b WHERE track = 'up'"
+        ).fetchall()
+    assert len(rows) == 18
+    for reference_a, name_a, reference_b, name_b, expected in rows:
+        right = json.loads(expected)["is"]
+        assert (right, reference_a) == (2.0, name_b) or (right, reference_b) == (1.0, name_a)
