@@ -20,6 +20,8 @@ constexpr double kCalm = 1.5;  // an island in impact rests again when all is sl
 constexpr double kPlastic = 0.05;
 // Explicit steps between two looks at whether an island has come to rest.
 constexpr int kStepsBetweenLooks = 16;
+// Gap error of one implicit step, in depths of rest, that turning bodies may make.
+constexpr double kBend = 1;
 // An implicit step is not cut below this share of the frame; explicit steps take over.
 constexpr double kShortestRestStep = 1.0 / 64;
 constexpr double kOnTime = 1e-12;  // of a frame
@@ -77,14 +79,14 @@ double straight_step(const Island& island, const ContactSettings& settings) {
     for (const BodyState* body : {&a, &b}) {
       if (!body->is_free() || std::holds_alternative<SphereShape>(*body->shape)) continue;
       const double bend = body->spin.squaredNorm() * body->reach;  // m/s^2
-      if (bend > 0) longest = std::min(longest, std::sqrt(2 * settings.rest_depth / bend));
+      if (bend > 0) longest = std::min(longest, std::sqrt(2 * kBend * settings.rest_depth / bend));
     }
     const auto* ball_a = std::get_if<SphereShape>(a.shape);
     if (ball_a == nullptr || std::holds_alternative<PlaneShape>(*b.shape)) continue;
     const auto* ball_b = std::get_if<SphereShape>(b.shape);
     const double radius = ball_a->radius + (ball_b != nullptr ? ball_b->radius : 0);
     const double bend = (a.velocity - b.velocity).squaredNorm() / radius;
-    if (bend > 0) longest = std::min(longest, std::sqrt(2 * settings.rest_depth / bend));
+    if (bend > 0) longest = std::min(longest, std::sqrt(2 * kBend * settings.rest_depth / bend));
   }
   return longest;
 }

@@ -21,11 +21,15 @@ constexpr double kNormalSteps = 3;
 constexpr double kSlidingShare = 0.5;
 constexpr int kCautiousSteps = 5;
 constexpr int kMostNewtonSteps = 40;
+// Newton steps without halving the residual after which it counts as solved, if it is this small.
+constexpr int kStalled = 4;
+constexpr double kFloor = 1e-6;
 constexpr int kMostPasses = 4;
-constexpr double kBoundChange = 0.02;  // of a body's weight, rms, below which bounds are settled
+constexpr double kBoundChange = 1e-6;  // of all bounds, rms, below which they are settled
+constexpr double kGain = 1e-9;  // a pass ends when the residual is this share of its start
 // Block products of a factorisation, per edge, above which gradients are cheaper.
 constexpr double kMostFill = 60;
-constexpr double kTightResidual = 1e-9, kLooseResidual = 1e-3;
+constexpr double kTightResidual = 1e-9, kLooseResidual = 1e-6;
 constexpr int kManyBodies = 300;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -311,17 +315,14 @@ RestProblem::Outcome RestProblem::solve(const ContactSettings&) {
   std::vector<Vector6> gradient, direction;
   const bool is_small = island_->num_free < kManyBodies;
   const double tolerance = is_small ? kTightResidual : kLooseResidual;
-  double lightest = island_->bodies[0].mass;
-  for (int i = 0; i < island_->num_free; ++i) {
-    lightest = std::min(lightest, island_->bodies[at(i)].mass);
-  }
   for (int pass = 0; pass < kMostPasses; ++pass) {
     evaluate(v_, gradient);
     double residual = scaled_residual(gradient);
     const double start = residual;
-    const double enough = std::max(tolerance, (is_small ? 1e-9 : 0.05) * start);
+    const double enough = std::max(tolerance, kGain * start);
     outcome.converged = residual <= (pass == 0 ? tolerance : enough);
     double best = residual;
+    best_ = v_;
     int stalled = 0;
     for (int i = 0; i < kMostNewtonSteps && !outcome.converged; ++i) {
       assemble(v_, i < kCautiousSteps ? kSlidingShare : 1);
@@ -333,20 +334,30 @@ RestProblem::Outcome RestProblem::solve(const ContactSettings&) {
       residual = scaled_residual(gradient);
       ++outcome.newton_steps;
       outcome.converged = residual <= enough;
-      // Rounding sets a floor under heavy loads on light bodies.
       stalled = residual > 0.5 * best ? stalled + 1 : 0;
-      best = std::min(best, residual);
-      if (stalled >= 3 && best <= 1e-5 * std::max(1.0, start)) outcome.converged = true;
+      if (residual < best) {
+        best = residual;
+        best_ = v_;
+      }
+      // Rounding sets a floor under heavy loads on light bodies.
+      if (stalled < kStalled || best > kFloor * std::max(1.0, start)) continue;
+      outcome.converged = true;
     }
-    double change = 0;
-    for (RestRow& row : rows_) {
+    if (residual > best) {
+      v_ = best_;
+      evaluate(v_, gradient);
+    }
+    // Bounds matter where they hold; a contact that sticks within both is what it was.
+    double change = 0, whole = 0;
+    for (const RestRow& row : rows_) {
       const double bound = row.friction * row.load;
-      change += (bound - row.bound) * (bound - row.bound);
-      row.bound = bound;
+      const bool sticks = row.tangential.norm() < std::min(row.bound, bound);
+      if (!sticks) change += (bound - row.bound) * (bound - row.bound);
+      whole += bound * bound;
     }
-    const double settled = (is_small ? 1e-6 : kBoundChange) * lightest * gravity_;
-    if (std::sqrt(change / static_cast<double>(std::max<std::size_t>(rows_.size(), 1))) <= settled)
-      break;
+    const bool is_settled = change <= kBoundChange * kBoundChange * whole;
+    if (is_settled || pass + 1 == kMostPasses) break;  // the bounds stay those of the solution
+    for (RestRow& row : rows_) row.bound = row.friction * row.load;
   }
   // The loads of the solution, put on the bodies exactly: momentum is kept to rounding.
   evaluate(v_, gradient);

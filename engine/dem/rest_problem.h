@@ -66,7 +66,7 @@ class RestProblem {
   double gravity_ = 0;
   std::vector<RestRow> rows_;
   std::vector<int> edge_of_row_;
-  std::vector<Vector6> start_, free_, end_, v_;
+  std::vector<Vector6> start_, free_, end_, v_, best_;
   BlockMatrix matrix_;
   BlockCholesky cholesky_;
   BlockGradients gradients_;
