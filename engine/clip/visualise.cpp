@@ -79,7 +79,7 @@ render::VisualScene visualise(const scene::Scene& scene, const scene::BuiltScene
                                                        : render::palette_colour(num_coloured++);
     body.pattern = pattern_of(source.shape, built.meshes[i]);
     if (scene.look.skin == "plain") body.pattern.kind = render::PatternKind::kPlain;
-    if (show == Show::kParticles) {
+    if (show == Show::kParticles && built.world.method == dem::Method::kSeed) {
       set_particles(built.world.bodies[i], body);
     } else {
       set_surface(source.shape, built.meshes[i], body);

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
+
+#include "dem/message_text.h"
+#include "dem/surface_contacts.h"
 
 namespace verisim::dem {
 namespace {
@@ -20,24 +22,27 @@ constexpr double kAside = 0.1;         // of a body's size, from its place
 constexpr double kDriftPer10s = 0.01;  // of a body's size, in the second half of the run
 constexpr double kJitter = 0.1;        // of sqrt(g * mean overlap), rms speed in the second half
 
-template <class... Parts>
-std::string text(const Parts&... parts) {
-  std::ostringstream stream;
-  stream.precision(3);
-  (stream << ... << parts);
-  return stream.str();
-}
-
-/// A gain of energy that lifts the whole world by less than this share of a particle diameter is
-/// not seen by anyone; it keeps rounding in a world at rest from counting as a gain.
+/// A gain of energy that lifts the whole world by less than this share of a particle diameter (of
+/// `dem`: of the smallest free body) is not seen by anyone; it keeps rounding in a world at rest
+/// from counting as a gain.
 constexpr double kUnseenLift = 1e-3;
 
-double least_diameter(const Bodies& bodies) {
+/// Diameter of the smallest particle, or size of the smallest free body (m).
+double least_diameter(const World& world) {
+  const Bodies& bodies = world.bodies;
   double least = std::numeric_limits<double>::infinity();
   for (int b = 0; b < bodies.count(); ++b) {
     if (bodies.num_particles(b) > 0) least = std::min(least, 2 * bodies.particle_radius[b]);
+    if (world.surfaces && bodies.motion[b] == Motion::kFree) {
+      least = std::min(least, bodies.size[b]);
+    }
   }
   return std::isfinite(least) ? least : 0;
+}
+
+bool can_touch(const World& world, int body) {
+  if (world.surfaces) return !std::holds_alternative<PlaneShape>(world.surfaces->shape(body));
+  return world.bodies.num_particles(body) > 0;
 }
 
 }  // namespace
@@ -54,12 +59,13 @@ FailureWatch::FailureWatch(const World& world, const std::vector<Expectation>& e
       starts_above_.push_back(plane.normal.dot(bodies.position[b]) >= plane.offset);
     }
   }
-  least_energy_scale_ = weight_ * kUnseenLift * least_diameter(bodies);
+  least_energy_scale_ = weight_ * kUnseenLift * least_diameter(world);
   for (const Expectation& expectation : expect) {
     for (const int b : expectation.stands) {
       standing_.push_back({b, bodies.position[b], bodies.orientation[b], bodies.position[b]});
     }
   }
+  if (world.surfaces) start_surfaces(world);
 }
 
 bool FailureWatch::has_failed(const std::string& code) const {
@@ -80,10 +86,15 @@ bool FailureWatch::observe(const World& world, const StepReport& report) {
          text("the force on ", world.names[b], " is not finite; the run stops here"));
     return false;
   }
-  if (report.too_deep) note_deep_pairs(world);
+  if (world.surfaces) {
+    note_deep_surfaces(world, report);
+    check_centres(world);
+  } else {
+    if (report.too_deep) note_deep_pairs(world);
+    check_leaps(world);  // `dem` steps to each touch-down
+  }
   check_planes(world);
   check_flips(world);
-  check_leaps(world);
   follow_standing(world);
   return check_energy(world, report);
 }
@@ -117,10 +128,7 @@ void FailureWatch::note_deep_pairs(const World& world) {
     fail(world, "penetration", a, world.time,
          text("particles of ", world.names[a], " and ", world.names[b], " overlap by ", overlap,
               " m, more than half a diameter"));
-    const auto key_a = static_cast<std::uint32_t>(a), key_b = static_cast<std::uint32_t>(b);
-    if (deep_.find(key_a, key_b) != nullptr) continue;
-    deep_.at(key_a, key_b) = static_cast<int>(apart_when_deep_.size());
-    apart_when_deep_.push_back(bodies.position[a] - bodies.position[b]);
+    remember_deep(bodies, a, b);
   }
   for (const PlanePair& pair : lists.plane_pairs) {
     const RowMotion& i = rows.motion[pair.row];
@@ -134,12 +142,19 @@ void FailureWatch::note_deep_pairs(const World& world) {
   }
 }
 
+void FailureWatch::remember_deep(const Bodies& bodies, int a, int b) {
+  const auto key_a = static_cast<std::uint32_t>(a), key_b = static_cast<std::uint32_t>(b);
+  if (deep_.find(key_a, key_b) != nullptr) return;
+  deep_.at(key_a, key_b) = static_cast<int>(apart_when_deep_.size());
+  apart_when_deep_.push_back(bodies.position[a] - bodies.position[b]);
+}
+
 void FailureWatch::check_planes(const World& world) {
   if (has_failed("pass_through")) return;
   const Bodies& bodies = world.bodies;
   const std::size_t num_planes = world.planes.size();
   for (int b = 0; b < bodies.count(); ++b) {
-    if (bodies.motion[b] != Motion::kFree || bodies.num_particles(b) == 0) continue;
+    if (bodies.motion[b] != Motion::kFree || !can_touch(world, b)) continue;
     for (std::size_t p = 0; p < num_planes; ++p) {
       const PlaneDefinition& plane = world.planes[p];
       if (!starts_above_[static_cast<std::size_t>(b) * num_planes + p]) continue;

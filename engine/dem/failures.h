@@ -47,6 +47,11 @@ class FailureWatch {
   void note_deep_pairs(const World& world);
   void check_flips(const World& world);
   void check_leaps(const World& world);
+  void remember_deep(const Bodies& bodies, int a, int b);  // a < b
+  // Of method `dem` (surface_failures.cpp).
+  void start_surfaces(const World& world);
+  void note_deep_surfaces(const World& world, const StepReport& report);
+  void check_centres(const World& world);
   void follow_standing(const World& world);
 
   std::vector<Failure> failures_;
@@ -61,6 +66,8 @@ class FailureWatch {
   std::vector<std::uint8_t> starts_above_;        // [B * P] body starts outside of the plane
   PairTable<int> deep_;                           // pairs of bodies too deep in each other -> which
   std::vector<Eigen::Vector3d> apart_when_deep_;  // m, centre a - centre b
+  std::vector<std::uint8_t> holds_own_centre_;    // [B] of `dem`: the centre is inside the solid
+  PairTable<std::uint8_t> inside_at_start_;       // pairs of which one holds the other's centre
 };
 
 }  // namespace verisim::dem

@@ -108,6 +108,11 @@ RunResult run(World& world, const RunOptions& options) {
   RunResult result;
   Sampler sampler(world, options);
   FailureWatch watch(world, options.expect, options.duration);
+  MomentKeeper keeper(options.keep_before_failure);
+  const auto keep = [&] {
+    if (options.keep_before_failure > 0) keeper.note(world);
+  };
+  keep();
   std::vector<Pose> before;
   bool goes_on = true;
   long done = 0;
@@ -115,7 +120,9 @@ RunResult run(World& world, const RunOptions& options) {
     const StepReport report = step(world);
     const std::vector<ContactEvent>& events = world.contacts.events;
     result.events.insert(result.events.end(), events.begin(), events.end());
+    if (watch.failures().empty()) keep();
     goes_on = watch.observe(world, report);
+    if (world.surfaces) result.hardest.include(world.surfaces->hardest_contact());
     if (!world.halted) ++done;
   };
   while (goes_on && done < num_steps) {
@@ -136,7 +143,10 @@ RunResult run(World& world, const RunOptions& options) {
   result.log = std::move(sampler).log();
   result.metrics = metrics_of(world);
   result.failures = watch.failures();
-  if (!result.failures.empty()) result.failed = result.failures.front();
+  if (!result.failures.empty()) {
+    result.failed = result.failures.front();
+    result.last = std::move(keeper).take(world);
+  }
   result.steps = world.surfaces ? world.surfaces->num_steps() : done;
   result.dt =
       world.surfaces && world.surfaces->least_step() > 0 ? world.surfaces->least_step() : dt;

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "dem/hardest_contact.h"
+#include "dem/last_moments.h"
 #include "dem/metrics.h"
 #include "dem/pose_log.h"
 #include "dem/world.h"
@@ -21,6 +23,7 @@ struct RunOptions {
   double duration = 0;         // s, from the world's present time
   double sample_interval = 0;  // s; poses are logged at 0, 1, 2 ... intervals
   std::vector<Expectation> expect;
+  double keep_before_failure = 0;  // s, of states and contacts that lead to the first failure
   std::function<void(double time)> progress;  // called after each sample, may be empty
 };
 
@@ -31,8 +34,10 @@ struct RunResult {
   std::optional<Failure> failed;  // the first failure
   std::vector<Failure> failures;  // the first of each code, in the order they were seen
   long steps = 0;
-  double dt = 0;     // s, the smallest used
-  double cpu_s = 0;  // CPU time of stepping alone, all threads
+  double dt = 0;           // s, the smallest used
+  double cpu_s = 0;        // CPU time of stepping alone, all threads
+  HardestContact hardest;  // of method `dem`
+  LastMoments last;        // of a failed run, as long as asked for
 };
 
 /// Advances `world` by `duration`. Steps are of the world's dt; sample times between two steps are

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "dem/hardest_contact.h"
 #include "dem/island.h"
 #include "dem/world.h"
 
@@ -58,6 +59,14 @@ class SurfaceContacts {
   std::vector<double> factor_of_law_;    // [M * M] calibrated damping of each pair of materials
   double elastic_energy_ = 0, least_step_ = 0, energy_rise_ = 0;
   long num_steps_ = 0, num_samples_ = 0;
+
+ public:
+  // Between two steps (surface_look.cpp).
+  /// The pairs that overlap now, with their points; changes nothing.
+  std::vector<ContactPair> look(const World& world) const;
+  /// The stiffest spring of the last step and how deep its pairs should go.
+  HardestContact hardest_contact() const;
+  const CollisionShape& shape(int body) const { return shapes_[static_cast<std::size_t>(body)]; }
 };
 
 StepReport step_surfaces(World& world);

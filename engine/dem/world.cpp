@@ -86,7 +86,10 @@ void set_gravity(World& world, const Eigen::Vector3d& gravity) {
 
 void set_stiffness(World& world, double stiffness) {
   require_number(stiffness, 0, "stiffness");
-  change_and_book(world, [&] { world.parameters.seed.stiffness = stiffness; });
+  change_and_book(world, [&] {
+    const bool is_seed = world.parameters.method == Method::kSeed;
+    (is_seed ? world.parameters.seed.stiffness : world.parameters.dem.stiffness) = stiffness;
+  });
 }
 
 void set_damping_ratio(World& world, double ratio) {

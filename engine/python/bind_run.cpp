@@ -5,6 +5,9 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <map>
+#include <tuple>
+
 #include "dem/run.h"
 #include "dem/surface_contacts.h"
 #include "python/module.h"
@@ -46,6 +49,18 @@ Columns columns_of(const dem::PoseLog& log) {
     append(pose.angular_velocity, columns.angular_velocity);
   }
   return columns;
+}
+
+void set_pose_arrays(nb::object& target, const dem::PoseLog& log) {
+  const std::size_t num_times = log.num_times(), num_bodies = log.num_bodies();
+  const Columns columns = columns_of(log);
+  target.attr("time_s") = array_of(log.times, {num_times});
+  target.attr("position_m") = array_of(columns.position, {num_times, num_bodies, 3});
+  target.attr("orientation_wxyz") = array_of(columns.orientation, {num_times, num_bodies, 4});
+  target.attr("linear_velocity_m_s") =
+      array_of(columns.linear_velocity, {num_times, num_bodies, 3});
+  target.attr("angular_velocity_rad_s") =
+      array_of(columns.angular_velocity, {num_times, num_bodies, 3});
 }
 
 /// Positions, orientations, velocities, angular momenta of all bodies in file order.
@@ -97,17 +112,31 @@ nb::object failure_dict(const std::optional<dem::Failure>& failure) {
   return d;
 }
 
+/// The end of a contact also says how long it was and how fast the bodies came and went.
 nb::list event_list(const std::vector<dem::ContactEvent>& events, const dem::World& world) {
   nb::list list;
+  std::map<std::tuple<int, int, int>, const dem::ContactEvent*> begins;
   for (const dem::ContactEvent& event : events) {
     nb::dict d;
-    d["kind"] = event.change == dem::ContactChange::kBegin ? "contact_begin" : "contact_end";
+    const bool is_begin = event.change == dem::ContactChange::kBegin;
+    d["kind"] = is_begin ? "contact_begin" : "contact_end";
     d["time_s"] = event.time;
     nb::list pair;
     pair.append(world.names[event.body_a]);
     pair.append(event.plane >= 0 ? world.planes[event.plane].name : world.names[event.body_b]);
     d["bodies"] = pair;
     d["normal_speed_m_s"] = event.speed;
+    const dem::ContactEvent*& begin = begins[{event.body_a, event.body_b, event.plane}];
+    if (is_begin) {
+      begin = &event;
+      d["approach_speed_m_s"] = event.speed;
+    } else if (begin != nullptr) {
+      d["approach_speed_m_s"] = begin->speed;
+      d["restitution"] =
+          begin->speed > 0 ? nb::cast(event.speed / begin->speed) : nb::object(nb::none());
+      d["contact_time_s"] = event.time - begin->time;
+      begin = nullptr;
+    }
     list.append(d);
   }
   return list;
@@ -153,19 +182,69 @@ nb::dict parameters_dict(const scene::Scene& scene, const dem::WorldDefinition& 
   return d;
 }
 
+nb::object bound_name(dem::StiffnessBound bound) {
+  switch (bound) {
+    case dem::StiffnessBound::kImpact:
+      return nb::cast("impact");
+    case dem::StiffnessBound::kLoad:
+      return nb::cast("load");
+    case dem::StiffnessBound::kNamed:
+      return nb::cast("named");
+    case dem::StiffnessBound::kNone:
+      break;
+  }
+  return nb::none();
+}
+
 /// What method dem chose from what the scene allows; none for seed.
-nb::object chosen_dict(const dem::World& world) {
+nb::object chosen_dict(const dem::World& world, const dem::RunResult& result) {
   if (!world.surfaces) return nb::none();
   const dem::Chosen chosen = world.surfaces->chosen();
+  const dem::HardestContact& hardest = result.hardest;
   nb::dict d;
   d["max_penetration_m"] = chosen.max_penetration;
-  d["predicted_penetration_m"] = chosen.rest_depth;
+  d["rest_penetration_m"] = chosen.rest_depth;
+  d["predicted_penetration_m"] = hardest.predicted_penetration;
+  d["stiffness"] = hardest.stiffness > 0 ? nb::cast(hardest.stiffness) : nb::object(nb::none());
+  d["bound"] = bound_name(hardest.bound);
+  d["dt_s"] = result.dt;
   return d;
 }
 
+/// States and contacts before the first failure, as arrays; none if the run did not fail or was
+/// not asked to keep them.
+nb::object last_moments(const dem::World& world, const dem::LastMoments& last) {
+  if (last.log.times.empty()) return nb::none();
+  const std::size_t num_contacts = last.contacts.size();
+  std::vector<double> time, place, normal, depth, load;
+  nb::list bodies;
+  const auto name_of = [&](int body) {
+    const int num_bodies = world.bodies.count();
+    return body < num_bodies ? world.names[body] : world.planes[body - num_bodies].name;
+  };
+  for (const dem::ContactRecord& contact : last.contacts) {
+    time.push_back(contact.time);
+    append(contact.place, place);
+    append(contact.normal, normal);
+    depth.push_back(contact.depth);
+    load.push_back(contact.load);
+    bodies.append(nb::make_tuple(name_of(contact.a), name_of(contact.b)));
+  }
+  nb::object moments = nb::module_::import_("types").attr("SimpleNamespace")();
+  set_pose_arrays(moments, last.log);
+  moments.attr("contact_time_s") = array_of(time, {num_contacts});
+  moments.attr("contact_bodies") = bodies;
+  moments.attr("contact_place_m") = array_of(place, {num_contacts, 3});
+  moments.attr("contact_normal") = array_of(normal, {num_contacts, 3});
+  moments.attr("contact_depth_m") = array_of(depth, {num_contacts});
+  moments.attr("contact_load_n") = array_of(load, {num_contacts});
+  return moments;
+}
+
 nb::object simulate(const scene::Scene& scene, std::optional<double> sample_interval,
-                    int num_threads, const nb::object& progress) {
+                    int num_threads, const nb::object& progress, double keep_before_failure) {
   dem::RunOptions options;
+  options.keep_before_failure = keep_before_failure;
   options.duration = scene.duration;
   options.sample_interval = sample_interval.value_or(1 / scene.frame_rate);
   if (!scene.stands.empty()) options.expect.push_back({scene.stands});
@@ -186,16 +265,8 @@ nb::object simulate(const scene::Scene& scene, std::optional<double> sample_inte
     result = dem::run(*world, options);
   }
 
-  const std::size_t num_times = result.log.num_times();
-  const std::size_t num_bodies = result.log.num_bodies();
-  const Columns columns = columns_of(result.log);
   nb::object run = nb::module_::import_("types").attr("SimpleNamespace")();
-  run.attr("time_s") = array_of(result.log.times, {num_times});
-  run.attr("position_m") = array_of(columns.position, {num_times, num_bodies, 3});
-  run.attr("orientation_wxyz") = array_of(columns.orientation, {num_times, num_bodies, 4});
-  run.attr("linear_velocity_m_s") = array_of(columns.linear_velocity, {num_times, num_bodies, 3});
-  run.attr("angular_velocity_rad_s") =
-      array_of(columns.angular_velocity, {num_times, num_bodies, 3});
+  set_pose_arrays(run, result.log);
   const std::vector<double> state = final_state(world->bodies);
   run.attr("final_state") = array_of(state, {state.size()});
   run.attr("simulated_s") = world->time;
@@ -210,7 +281,8 @@ nb::object simulate(const scene::Scene& scene, std::optional<double> sample_inte
   run.attr("events") = event_list(result.events, *world);
   run.attr("bodies") = body_list(*world);
   run.attr("parameters") = parameters_dict(scene, built.world);
-  run.attr("chosen") = chosen_dict(*world);
+  run.attr("chosen") = chosen_dict(*world, result);
+  run.attr("last") = last_moments(*world, result.last);
   return run;
 }
 
@@ -222,9 +294,9 @@ void bind_run(nb::module_& m) {
       [](const scene::Scene& scene) { dem::make_world(scene::build_world(scene).world); },
       nb::arg("scene"));
   m.def("simulate", &simulate, nb::arg("scene"), nb::arg("sample_interval_s").none(),
-        nb::arg("num_threads"), nb::arg("progress").none(),
+        nb::arg("num_threads"), nb::arg("progress").none(), nb::arg("keep_before_failure_s"),
         nb::sig("def simulate(scene: Scene, sample_interval_s: float | None, num_threads: int, "
-                "progress: object | None) -> typing.Any"));
+                "progress: object | None, keep_before_failure_s: float) -> typing.Any"));
 }
 
 }  // namespace verisim::python

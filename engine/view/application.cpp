@@ -133,8 +133,10 @@ class Viewer {
   }
 
   void draw_panels() {
+    if (ranges_.method != live_.world().parameters.method) ranges_ = ranges_of(live_.built());
     if (player_) {
-      draw_player_panel(fonts_, live_.scene().name, *player_, meter_, controls_);
+      draw_player_panel(fonts_, live_.scene().name, *player_, meter_, !live_.world().surfaces,
+                        controls_);
     } else {
       draw_live_panel(fonts_, live_, meter_, ranges_, controls_);
       mouse_.draw_grip(picture(), camera_, live_);

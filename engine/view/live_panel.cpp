@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dem/surface_contacts.h"
 #include "scene/key_table.h"
 #include "scene/problem.h"
 #include "view/panel_parts.h"
@@ -14,8 +15,9 @@
 namespace verisim::view {
 namespace {
 
-constexpr double kSlowerThanAsked = 0.9;  // of the speed chosen
-constexpr double kMaxRatio = 3;           // damping and friction sliders
+constexpr double kSlowerThanAsked = 0.9;              // of the speed chosen
+constexpr double kMaxRatio = 3;                       // damping and friction sliders
+constexpr double kFewestSteps = 6, kMostSteps = 200;  // of method dem, in one impact
 
 const scene::Key& physics_key(const std::string& name) {
   const auto find = [](const std::vector<scene::Key>& keys,
@@ -43,6 +45,7 @@ struct Slider {
   double low, high;
   const char* unit;
   ImGuiSliderFlags flags = ImGuiSliderFlags_NoRoundToFormat;
+  bool is_whole = false;
 };
 
 constexpr ImGuiSliderFlags kByPowers =
@@ -63,21 +66,24 @@ void live_slider(LiveScene& live, const Slider& slider, double value, Controls& 
 
 // Starts the scene again where the hand lets go; until then shows the hand's value.
 void restart_slider(LiveScene& live, const Slider& slider, double value, Controls& controls) {
-  std::optional<double>& held = controls.held_particle_size;
-  double shown = held.value_or(value);
-  if (move_slider(slider, shown)) held = shown;
-  if (!ImGui::IsItemDeactivated() || !held) return;
-  apply(live, std::string("physics.") + slider.key, number_text(*held), Effect::kRestarts,
+  std::optional<Controls::Held>& held = controls.held;
+  const bool is_held = held && held->key == slider.key;
+  double shown = is_held ? held->value : value;
+  if (move_slider(slider, shown)) {
+    held = {slider.key, slider.is_whole ? std::round(shown) : shown};
+  }
+  if (!ImGui::IsItemDeactivated() || !held || held->key != slider.key) return;
+  apply(live, std::string("physics.") + slider.key, number_text(held->value), Effect::kRestarts,
         controls);
   held.reset();
 }
 
-void choice(LiveScene& live, const char* words, const std::string& key, const std::string& value,
-            Effect effect, Controls& controls) {
-  const scene::Key& described = physics_key(key);
-  label(words, described.description.c_str());
+void choice(LiveScene& live, const char* words, const std::string& key,
+            const std::vector<std::string>& choices, const std::string& value, Effect effect,
+            Controls& controls) {
+  label(words, physics_key(key).description.c_str());
   if (!ImGui::BeginCombo(("##" + key).c_str(), value.c_str())) return;
-  for (const std::string& name : described.choices) {
+  for (const std::string& name : choices) {
     if (ImGui::Selectable(name.c_str(), name == value) && name != value) {
       apply(live, "physics." + key, name, effect, controls);
     }
@@ -114,7 +120,11 @@ void draw_readings(const LiveScene& live, const RateMeter& meter, const Controls
     reading("Real time", live.stopped() ? "stopped" : "paused");
   }
   reading("Frame rate", text_of("%.0f / s", meter.frames_per_second()));
-  reading("Particles", std::to_string(world.particles.count()));
+  if (world.surfaces) {
+    reading("Surface points", std::to_string(world.surfaces->num_samples()));
+  } else {
+    reading("Particles", std::to_string(world.particles.count()));
+  }
   reading("Contacts", std::to_string(live.report().num_contacts));
   reading("Deepest overlap", text_of("%.3g mm", 1000 * live.report().max_overlap));
   ImGui::EndTable();
@@ -133,9 +143,7 @@ void draw_gravity(LiveScene& live, Controls& controls) {
   }
 }
 
-void draw_physics(LiveScene& live, const Ranges& ranges, Controls& controls) {
-  heading("Physics");
-  draw_gravity(live, controls);
+void draw_seed(LiveScene& live, const Ranges& ranges, Controls& controls) {
   const dem::Parameters& now = live.world().parameters;
   live_slider(
       live,
@@ -147,18 +155,45 @@ void draw_physics(LiveScene& live, const Ranges& ranges, Controls& controls) {
               now.seed.tangential_damping_ratio, controls);
   live_slider(live, {"Time step", "dt_s", ranges.dt_low, ranges.dt_high, "s", kByPowers}, now.dt,
               controls);
-  choice(live, "Integrator", "integrator", std::string(dem::to_string(now.integrator)),
-         Effect::kGoesOn, controls);
+  choice(live, "Integrator", "integrator", {"seed", "rkmk4"},
+         std::string(dem::to_string(now.integrator)), Effect::kGoesOn, controls);
   ImGui::TextDisabled("These start the scene again, from time 0:");
-  if (ranges.particle_size_high > 0) {
-    const auto& size = live.scene().physics.particle_size;
-    restart_slider(live,
-                   {"Particle size", "particle_size_m", ranges.particle_size_low,
-                    ranges.particle_size_high, size ? "m" : "m (chosen)", kByPowers},
-                   size.value_or(ranges.particle_size_high / 4), controls);
+  if (ranges.particle_size_high <= 0) return;
+  const auto& size = live.scene().physics.particle_size;
+  restart_slider(live,
+                 {"Particle size", "particle_size_m", ranges.particle_size_low,
+                  ranges.particle_size_high, size ? "m" : "m (chosen)", kByPowers},
+                 size.value_or(ranges.particle_size_high / 4), controls);
+}
+
+void draw_dem(LiveScene& live, const Ranges& ranges, Controls& controls) {
+  const dem::DemSettings& now = live.world().parameters.dem;
+  live_slider(live, {"Longest step", "dt_s", ranges.dt_low, ranges.dt_high, "s", kByPowers},
+              live.chosen_dt(), controls);
+  ImGui::TextDisabled("These start the scene again, from time 0:");
+  const bool is_named = now.max_penetration > 0;
+  restart_slider(live,
+                 {"Overlap allowed", "max_penetration_m", ranges.penetration_low,
+                  ranges.penetration_high, is_named ? "m" : "m (chosen)", kByPowers},
+                 live.world().surfaces->chosen().max_penetration, controls);
+  restart_slider(live,
+                 {"Impact steps", "steps_per_contact", kFewestSteps, kMostSteps, "",
+                  ImGuiSliderFlags_NoRoundToFormat, true},
+                 now.steps_per_contact, controls);
+  choice(live, "Integrator", "integrator", {"hybrid", "explicit"},
+         now.rests_implicitly ? "hybrid" : "explicit", Effect::kRestarts, controls);
+}
+
+void draw_physics(LiveScene& live, const Ranges& ranges, Controls& controls) {
+  heading("Physics");
+  draw_gravity(live, controls);
+  if (live.world().surfaces) {
+    draw_dem(live, ranges, controls);
+  } else {
+    draw_seed(live, ranges, controls);
   }
-  choice(live, "Method", "method", std::string(dem::to_string(live.scene().physics.method)),
-         Effect::kRestarts, controls);
+  choice(live, "Method", "method", physics_key("method").choices,
+         std::string(dem::to_string(live.scene().physics.method)), Effect::kRestarts, controls);
 }
 
 void save(LiveScene& live, Controls& controls) {
@@ -201,19 +236,29 @@ void draw_changes(LiveScene& live, Controls& controls) {
 }  // namespace
 
 Ranges ranges_of(const scene::BuiltScene& built) {
-  constexpr double kDecades = 1000, kSteps = 30, kFinest = 10;
+  constexpr double kDecades = 1000, kSteps = 30, kFinest = 10, kFrames = 2;
+  constexpr double kLeastOverlap = 1e-5, kMostOverlap = 0.05;  // of the smallest free body
   Ranges ranges{built.world.seed.stiffness / kDecades,
                 built.world.seed.stiffness * kDecades,
                 built.world.dt / kSteps,
-                built.world.dt * kSteps,
+                built.world.dt * (built.world.method == dem::Method::kDem ? kFrames : kSteps),
                 0,
-                0};
+                0,
+                0,
+                0,
+                built.world.method};
+  double smallest = 0;
   for (const dem::BodyDefinition& body : built.world.bodies) {
+    if (body.motion == dem::Motion::kFree && (smallest == 0 || body.size < smallest)) {
+      smallest = body.size;
+    }
     if (body.particle_offsets_b.size() <= 1) continue;  // a ball is one particle whatever is set
     const double high = ranges.particle_size_high;
     ranges.particle_size_high = high > 0 ? std::min(high, body.size) : body.size;
   }
   ranges.particle_size_low = ranges.particle_size_high / kFinest;
+  ranges.penetration_low = kLeastOverlap * smallest;
+  ranges.penetration_high = kMostOverlap * smallest;
   return ranges;
 }
 
@@ -222,7 +267,7 @@ void draw_live_panel(const Fonts& fonts, LiveScene& live, const RateMeter& meter
   begin_side_panel(fonts, live.scene().name);
   draw_transport(live, controls);
   draw_readings(live, meter, controls);
-  draw_view_controls(controls);
+  draw_view_controls(controls, !live.world().surfaces);
   draw_physics(live, ranges, controls);
   draw_changes(live, controls);
   draw_messages(controls);

@@ -35,11 +35,15 @@ class LiveScene {
   double advance(double seconds, double budget);
   /// One time step.
   void step();
-  void hold(const std::optional<dem::Drag>& drag) { dem::set_drag(world_, drag); }
+  /// Pulls a body, or lets it go. Method dem takes shorter steps meanwhile: a pull is held for a
+  /// step.
+  void hold(const std::optional<dem::Drag>& drag);
 
   const scene::Scene& scene() const { return scene_; }
   const scene::BuiltScene& built() const { return built_; }
   const dem::World& world() const { return world_; }
+  /// s; the world's own is shorter while a body is held.
+  double chosen_dt() const { return chosen_dt_; }
   const Changes& changes() const { return changes_; }
   const dem::StepReport& report() const { return report_; }
   /// The first of each code; live edits are not held against the run.
@@ -64,6 +68,9 @@ class LiveScene {
   dem::StepReport report_;
   std::optional<dem::FailureWatch> watch_;
   bool stopped_ = false;
+  void set_step();
+
+  double chosen_dt_ = 0;
   double owed_ = 0;  // s, of simulated time: less than a step
   bool fell_behind_ = false;
   int generation_ = 0;

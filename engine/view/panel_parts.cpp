@@ -82,8 +82,10 @@ void draw_speed_row(Controls& controls) {
   ImGui::PopStyleVar();
 }
 
-void draw_view_controls(Controls& controls) {
+void draw_view_controls(Controls& controls, bool has_particles) {
+  ImGui::BeginDisabled(!has_particles);
   ImGui::Checkbox("Particles", &controls.show_particles);
+  ImGui::EndDisabled();
   ImGui::SameLine(0, 18);
   if (ImGui::Button("Reset camera")) controls.reset_camera = true;
   ImGui::SameLine();

@@ -22,7 +22,7 @@ void label(const char* words, const char* explanation);
 // The same for runs and pose logs: slow motion; particles, camera and help; what was done or why
 // not.
 void draw_speed_row(Controls& controls);
-void draw_view_controls(Controls& controls);
+void draw_view_controls(Controls& controls, bool has_particles);
 void draw_messages(const Controls& controls);
 /// Text by printf's rules.
 std::string text_of(const char* format, double value);

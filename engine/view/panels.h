@@ -23,9 +23,14 @@ struct Controls {
   // Asked for once; whoever does it resets it.
   bool reset_camera = false, restart = false, step = false, step_frame = false;
 
-  std::optional<double> held_particle_size;  // m, while its slider is held
-  std::string note;                          // what the last action did
-  std::string problem;                       // why it could not
+  /// A slider that restarts the scene where it is let go, while it is held.
+  struct Held {
+    std::string key;
+    double value;
+  };
+  std::optional<Held> held;
+  std::string note;     // what the last action did
+  std::string problem;  // why it could not
 
   double time_scale() const { return 1.0 / (1 << slow_motion); }
 };
@@ -35,6 +40,8 @@ struct Ranges {
   double stiffness_low, stiffness_high;          // N/m
   double dt_low, dt_high;                        // s
   double particle_size_low, particle_size_high;  // m; both 0 where every body is one particle
+  double penetration_low, penetration_high;      // m, of method dem
+  dem::Method method;                            // that the ranges are for
 };
 
 Ranges ranges_of(const scene::BuiltScene& built);
@@ -45,7 +52,7 @@ void draw_live_panel(const Fonts& fonts, LiveScene& live, const RateMeter& meter
 
 /// The panel of a pose log, and its time line under the picture.
 void draw_player_panel(const Fonts& fonts, const std::string& scene_name, PosePlayer& player,
-                       const RateMeter& meter, Controls& controls);
+                       const RateMeter& meter, bool has_particles, Controls& controls);
 
 /// Over the picture: what went wrong in the run, and the keys if asked for.
 void draw_failure_banner(const dem::Failure& failure, bool stopped);

@@ -34,7 +34,7 @@ void draw_time_line(PosePlayer& player, Controls& controls) {
 }  // namespace
 
 void draw_player_panel(const Fonts& fonts, const std::string& scene_name, PosePlayer& player,
-                       const RateMeter& meter, Controls& controls) {
+                       const RateMeter& meter, bool has_particles, Controls& controls) {
   begin_side_panel(fonts, scene_name);
   ImGui::PushTextWrapPos(0);
   ImGui::TextDisabled("A recorded run: poses from a log, nothing is simulated.");
@@ -57,7 +57,7 @@ void draw_player_panel(const Fonts& fonts, const std::string& scene_name, PosePl
     reading("Frame rate", text_of("%.0f / s", meter.frames_per_second()));
     ImGui::EndTable();
   }
-  draw_view_controls(controls);
+  draw_view_controls(controls, has_particles);
   draw_messages(controls);
   ImGui::End();
   draw_time_line(player, controls);

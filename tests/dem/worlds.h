@@ -14,7 +14,7 @@
 
 namespace verisim::dem::testing {
 
-/// Solid ball of one particle.
+/// Solid ball; of one particle in method seed.
 VERISIM_OUT_OF_LINE BodyDefinition ball(double radius, double mass,
                                         const Eigen::Vector3d& position) {
   BodyDefinition body;
@@ -22,6 +22,7 @@ VERISIM_OUT_OF_LINE BodyDefinition ball(double radius, double mass,
   body.mass = mass;
   body.inertia_b = 0.4 * mass * radius * radius * Eigen::Matrix3d::Identity();
   body.initial.position = position;
+  body.shape = SphereShape{radius};
   body.particle_offsets_b = {Eigen::Vector3d::Zero()};
   body.particle_radius = radius;
   body.size = 2 * radius;
@@ -37,6 +38,7 @@ VERISIM_OUT_OF_LINE BodyDefinition box(const Eigen::Vector3d& edges, double diam
   const Eigen::Vector3d squares = edges.cwiseProduct(edges);
   body.inertia_b = (mass / 12 * (squares.sum() * Eigen::Vector3d::Ones() - squares)).asDiagonal();
   body.initial.position = position;
+  body.shape = BoxShape{0.5 * edges, nullptr};
   body.particle_radius = diameter / 2;
   body.size = edges.minCoeff();
   const Eigen::Vector3i cells = (edges / diameter).array().round().cast<int>();
@@ -77,6 +79,16 @@ VERISIM_OUT_OF_LINE WorldDefinition world_of(std::vector<BodyDefinition> bodies,
   definition.bodies = std::move(bodies);
   definition.seed.stiffness = stiffness;
   definition.dt = dt;
+  return definition;
+}
+
+/// Method dem with one material and no floor.
+VERISIM_OUT_OF_LINE WorldDefinition dem_world_of(std::vector<BodyDefinition> bodies,
+                                                 double restitution, double friction) {
+  WorldDefinition definition = world_of(std::move(bodies), 0, 1.0 / 60);
+  definition.method = Method::kDem;
+  definition.integrator = Integrator::kRkmk4;
+  definition.material_pairs = {1, {restitution}, {friction}};
   return definition;
 }
 

@@ -102,6 +102,15 @@ def test_the_particle_view_differs_from_the_surfaces(scene: Path) -> None:
     assert num_blue(particles) > 8000  # measured 15 005
 
 
+def test_dem_has_a_panel_of_its_own(scene: Path) -> None:
+    seed = picture_of(scene, "--after", "0.1")
+    dem = picture_of(scene, "--after", "0.1", "--set", "physics={}")
+    assert num_orange(dem) > 3000
+    assert num_blue(dem) > 8000
+    change = np.abs(seed[:, -PANEL_WIDTH_PX:] - dem[:, -PANEL_WIDTH_PX:]).max(axis=2)
+    assert np.count_nonzero(change > 0.05) > 2000  # measured 41 146
+
+
 def test_an_override_reaches_the_window(scene: Path) -> None:
     """Without gravity the ball stays up; with it, it has fallen 0.2 m."""
     fallen = picture_of(scene, "--after", "0.2")

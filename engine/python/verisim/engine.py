@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from verisim import __version__, _engine
+from verisim.last_moments import LAST_CONTACTS, LastMoments
 from verisim.pose_log import PoseLog, PoseLogError
 
 EngineError = _engine.EngineError
@@ -25,6 +26,7 @@ Progress = Callable[[float, float], None]  # (done, total)
 __all__ = [
     "ClipError",
     "EngineError",
+    "LastMoments",
     "MeshError",
     "PoseLog",
     "PoseLogError",
@@ -34,6 +36,7 @@ __all__ = [
     "inspect_shape",
     "load_scene",
     "render",
+    "require_particles",
     "scene_sha256",
     "simulate",
 ]
@@ -47,6 +50,7 @@ class Run:
     poses: PoseLog
     events: list[dict[str, Any]]  # contact events in order of time
     parameters: dict[str, Any]  # the physics as chosen, by scene key
+    last: LastMoments | None = None  # what led to a failure, if it was asked for
 
 
 def _override_list(overrides: Overrides) -> list[str]:
@@ -105,20 +109,21 @@ def simulate(
     sample_interval_s: float | None = None,
     num_threads: int = 1,
     progress: Progress | None = None,
+    keep_before_failure_s: float = 0,
 ) -> Run:
     """Runs a scene and returns metrics, events and poses (every frame, or every
     `sample_interval_s`). A run that fails returns too: `summary["failed"]` names code, body and
-    time. Raises SceneError, MeshError or PoseLogError on bad input."""
+    time, and `last` holds what led to it, `keep_before_failure_s` long. Raises SceneError,
+    MeshError or PoseLogError on bad input."""
     scene = load_scene(scene_path, overrides)
-    result = _engine.simulate(scene, sample_interval_s, num_threads, progress)
-    poses = PoseLog(
-        names=scene.body_names,
-        time_s=result.time_s,
-        position_m=result.position_m,
-        orientation_wxyz=result.orientation_wxyz,
-        linear_velocity_m_s=result.linear_velocity_m_s,
-        angular_velocity_rad_s=result.angular_velocity_rad_s,
+    result = _engine.simulate(
+        scene, sample_interval_s, num_threads, progress, keep_before_failure_s
     )
+    poses = _poses_of(scene.body_names, result)
+    last = None
+    if result.last is not None:
+        contacts = {name: getattr(result.last, name) for name in LAST_CONTACTS}
+        last = LastMoments(_poses_of(scene.body_names, result.last), contacts)
     summary = {
         "scene": scene.name,
         "scene_sha256": scene_sha256(scene),
@@ -136,7 +141,18 @@ def simulate(
         "events": result.events,
         "bodies": result.bodies,
     }
-    return Run(summary, poses, result.events, result.parameters)
+    return Run(summary, poses, result.events, result.parameters, last)
+
+
+def _poses_of(names: list[str], arrays: Any) -> PoseLog:
+    return PoseLog(
+        names=names,
+        time_s=arrays.time_s,
+        position_m=arrays.position_m,
+        orientation_wxyz=arrays.orientation_wxyz,
+        linear_velocity_m_s=arrays.linear_velocity_m_s,
+        angular_velocity_rad_s=arrays.angular_velocity_rad_s,
+    )
 
 
 def render(
@@ -160,6 +176,7 @@ def render(
             f"the pose log's bodies are {', '.join(poses.names)}; "
             f"the scene's are {', '.join(scene.body_names)}"
         )
+    require_particles(scene, show)
     info: dict[str, Any] = _engine.render_clip(
         scene,
         poses.time_s,
@@ -175,6 +192,15 @@ def render(
         progress,
     )
     return info
+
+
+def require_particles(scene: _engine.Scene, show: str) -> None:
+    """Raises ClipError if particles are to be shown of a method that has none."""
+    if show == "particles" and scene.method != "seed":
+        raise ClipError(
+            f"{scene.name}: method {scene.method} has no particles to show\n"
+            "  hint: leave out --show particles, or name physics.method=seed"
+        )
 
 
 def inspect_shape(mesh: Path | str, particle_size_m: float | None = None) -> dict[str, Any]:

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import os
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -37,8 +39,9 @@ class PoseLog:
     linear_velocity_m_s: FloatArray  # [T, B, 3]
     angular_velocity_rad_s: FloatArray  # [T, B, 3]
 
-    def save(self, file: Path) -> None:
-        """Writes FILE.npz (no pickles, the same bytes for the same poses), by rename."""
+    def save(self, file: Path, more: Mapping[str, npt.NDArray[Any]] | None = None) -> None:
+        """Writes FILE.npz (no pickles, the same bytes for the same poses), by rename; with `more`
+        arrays beside those of a pose log."""
         temporary = file.with_name(f".{file.name}.{os.getpid()}.tmp")
         try:
             with temporary.open("wb") as stream:
@@ -50,6 +53,7 @@ class PoseLog:
                     orientation_wxyz=self.orientation_wxyz,
                     linear_velocity_m_s=self.linear_velocity_m_s,
                     angular_velocity_rad_s=self.angular_velocity_rad_s,
+                    **(more or {}),
                 )
             temporary.replace(file)
         finally:

@@ -20,6 +20,7 @@ Sets = Annotated[
         "--set 'bodies.fox.position_m=[0,0,2]'. May be repeated.",
     ),
 ]
+DUMP_S = 0.5  # of a failed run
 Scene = Annotated[Path, typer.Argument(help="Scene file (YAML).", show_default=False)]
 
 
@@ -38,17 +39,26 @@ def register(app: typer.Typer) -> None:
         threads: Annotated[
             int, typer.Option(min=1, max=256, help="Threads; results do not depend on it.")
         ] = 1,
+        dump: Annotated[
+            Path | None,
+            typer.Option(
+                metavar="FILE.npz",
+                help="If the run fails, write poses and contacts of the half second before here.",
+            ),
+        ] = None,
         as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
     ) -> None:
         """Run a scene without pictures and print its metrics.
 
         Exit status 1 when the run failed (exploded, sank, fell …); the metrics are printed all
-        the same. With --json the object holds scene, steps, cost, metrics and final bodies.
+        the same. With --json the object holds scene, steps, cost, metrics, what the method chose,
+        contact events and final bodies.
         """
         from verisim import engine
 
-        if poses is not None and poses.suffix != ".npz":
-            fail(f"--poses {poses}: a pose log's name ends in .npz", code=2)
+        for option, file in (("--poses", poses), ("--dump", dump)):
+            if file is not None and file.suffix != ".npz":
+                fail(f"{option} {file}: a pose log's name ends in .npz", code=2)
         with progress_bar(f"simulating {scene.stem}") as report:
             run = engine.simulate(
                 scene,
@@ -56,9 +66,13 @@ def register(app: typer.Typer) -> None:
                 sample_interval_s=every,
                 num_threads=threads,
                 progress=report,
+                keep_before_failure_s=0 if dump is None else DUMP_S,
             )
         if poses is not None:
             run.poses.save(poses)
+        if dump is not None and run.last is not None:
+            run.last.save(dump)
+            say(f"{dump}: poses and contacts of the last {DUMP_S:g} s before the failure")
         if as_json:
             print_json(run.summary)
         else:
@@ -128,7 +142,9 @@ def _problems(file: Path) -> list[str]:
 def _print(summary: dict[str, Any], parameters: dict[str, Any]) -> None:
     metrics = summary["metrics"]
     typer.echo(f"{summary['scene']}: {summary['duration_s']:g} s, method {summary['method']}")
-    typer.echo("chosen           " + ", ".join(f"{k} {_short(v)}" for k, v in parameters.items()))
+    typer.echo("parameters       " + ", ".join(f"{k} {_short(v)}" for k, v in parameters.items()))
+    if summary["chosen"]:
+        typer.echo("chosen           " + _chosen(summary["chosen"]))
     typer.echo(
         f"cost             {summary['cpu_s']:.3g} CPU s, {summary['steps']} steps of "
         f"{summary['dt_s']:.3g} s, {summary['cpu_s_per_sim_s'] or 0:.3g} CPU s per simulated s"
@@ -141,6 +157,19 @@ def _print(summary: dict[str, Any], parameters: dict[str, Any]) -> None:
     if summary["failed"]:
         failed = summary["failed"]
         typer.echo(f"FAILED: {failed['code']} at {failed['time_s']:.4g} s: {failed['message']}")
+
+
+def _chosen(chosen: dict[str, Any]) -> str:
+    """What method dem made of the penetration that the scene allows."""
+    parts = [
+        f"penetration {chosen['max_penetration_m']:.3g} m allowed",
+        f"{chosen['rest_penetration_m']:.3g} m under a resting load",
+        f"{chosen['predicted_penetration_m']:.3g} m predicted",
+    ]
+    if chosen["bound"]:
+        parts.append(f"stiffness up to {chosen['stiffness']:.3g} N/m (bound: {chosen['bound']})")
+    parts.append(f"steps from {chosen['dt_s']:.3g} s")
+    return ", ".join(parts)
 
 
 def _short(value: Any) -> str:

@@ -48,6 +48,7 @@ def register(app: typer.Typer) -> None:
         if not hasattr(_engine, "view_scene"):
             fail("this build has no viewer\n  hint: build with -DVERISIM_VIEW=ON")
         loaded = engine.load_scene(scene, overrides or ())
+        engine.require_particles(loaded, show.value)
         log = None if poses is None else engine.PoseLog.load(poses)
         if log is not None and log.names != loaded.body_names:
             fail(
