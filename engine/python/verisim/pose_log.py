@@ -42,19 +42,19 @@ class PoseLog:
     def save(self, file: Path, more: Mapping[str, npt.NDArray[Any]] | None = None) -> None:
         """Writes FILE.npz (no pickles, the same bytes for the same poses), by rename; with `more`
         arrays beside those of a pose log."""
+        arrays: dict[str, Any] = {
+            "names": np.array(self.names, dtype=np.str_),
+            "time_s": self.time_s,
+            "position_m": self.position_m,
+            "orientation_wxyz": self.orientation_wxyz,
+            "linear_velocity_m_s": self.linear_velocity_m_s,
+            "angular_velocity_rad_s": self.angular_velocity_rad_s,
+            **(more or {}),
+        }
         temporary = file.with_name(f".{file.name}.{os.getpid()}.tmp")
         try:
             with temporary.open("wb") as stream:
-                np.savez(
-                    stream,
-                    names=np.array(self.names, dtype=np.str_),
-                    time_s=self.time_s,
-                    position_m=self.position_m,
-                    orientation_wxyz=self.orientation_wxyz,
-                    linear_velocity_m_s=self.linear_velocity_m_s,
-                    angular_velocity_rad_s=self.angular_velocity_rad_s,
-                    **(more or {}),
-                )
+                np.savez(stream, **arrays)
             temporary.replace(file)
         finally:
             temporary.unlink(missing_ok=True)
