@@ -97,21 +97,22 @@ def test_a_good_run_dumps_nothing(verisim: Command, drop: Path, tmp_path: Path) 
     assert verisim("simulate", drop, "--dump", "last.txt").returncode == 2
 
 
-def test_a_ring_around_a_pole_is_not_inside_of_it(tmp_path: Path) -> None:
-    # The ring's centre lies in the pole, but is no part of the ring.
+def test_a_ring_that_slides_onto_a_pole_does_not_pass_through_it(tmp_path: Path) -> None:
+    # The ring's centre gets into the pole, but is no part of the ring.
     scene = tmp_path / "ring.yaml"
     scene.write_text(
         DROP.replace("bodies:", "gravity_m_s2: [0, 0, 0]\nbodies:").replace(
             "  - {name: ball, shape: {sphere_radius_m: 0.1}, material: rubber, "
             "position_m: [0, 0, 0.4]}\n",
             f"  - {{name: ring, shape: {{mesh: {ROOT}/stimuli/meshes/torus.obj}}, "
-            "material: rubber, position_m: [0, 0, 2]}\n"
+            "material: rubber, position_m: [0, 0, 2.5], velocity_m_s: [0, 0, -5]}\n"
             "  - {name: pole, shape: {box_m: [0.02, 0.02, 0.5]}, material: rubber, "
             "position_m: [0, 0, 2], motion: fixed}\n",
         )
     )
     run = engine.simulate(scene, ["duration_s=0.1"])
     assert run.summary["failed"] is None
+    assert run.poses.position_m[-1, 0, 2] == pytest.approx(2)
 
 
 def test_particles_of_dem_cannot_be_shown(verisim: Command, drop: Path) -> None:
