@@ -28,6 +28,7 @@ STOP_WORDS = frozenset(
     on or out over seem seemed seems she so some that the their them then there these they this to
     too up very was way we were what when which while who with would you your""".split()  # noqa: SIM905
 )
+REDACTED = "[redacted]"  # what the export says where a researcher took the words out
 WORD = re.compile(r"[^\W\d_]+(?:['’][^\W\d_]+)?")
 
 
@@ -37,7 +38,7 @@ def comment_rows(export: Export, participants: frozenset[str]) -> pd.DataFrame:
     rows = rows[
         rows["participant_id"].isin(participants)
         & (rows["trial_kind"] == "test")
-        & (rows["comment"].str.strip() != "")
+        & ~rows["comment"].str.strip().isin(["", REDACTED])
     ]
     columns = ["stimulus", "participant_id", "presentation_id", "question", "comment"]
     rows = rows[columns].sort_values(columns, kind="stable")

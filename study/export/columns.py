@@ -151,7 +151,10 @@ COLUMNS: dict[str, Column] = {
     "rt_ms": Column("Time from rt_origin to the answer", "ms"),
     "rt_origin": Column("What rt_ms counts from", levels=RTS),
     "answered_utc": Column("When the answer was stored", "ISO 8601, UTC"),
-    "comment": Column("Free text; a leading = + - @ has an apostrophe put before it"),
+    "comment": Column(
+        "Free text; a leading = + - @ has an apostrophe put before it; [redacted] where the "
+        "researcher took the words out"
+    ),
     # clips
     "stimulus": Column("Name of the clip shown"),
     "stimulus_sha256": Column("SHA-256 of the clip's file"),

@@ -14,6 +14,7 @@ from verisim.study.server.open_study import OpenStudy
 from verisim.study.server.position import describe_clip
 from verisim.study.server.questions import Question
 from verisim.study.server.questions.words import language_name
+from verisim.study.server.screen_check import clip_px
 from verisim.study.server.study_file import Study
 
 SIMULATED_NOTICE = (
@@ -94,9 +95,8 @@ def describe_screen(opened: OpenStudy, study: Study) -> dict[str, Any] | None:
     distance = rules.distance_mm
     return {
         "phone": rules.phone,
-        "min_viewport": rules.min_viewport_px,
-        # What the clips need in device pixels; counts where the study file gives no figure.
-        "clip_px": [across * max(s.width_px for s in stimuli), max(s.height_px for s in stimuli)],
+        "min_viewport": rules.min_viewport_px,  # CSS px, beside what the clips need
+        "clip_px": clip_px(stimuli, across),
         "refresh": rules.refresh,
         "frame_rates_hz": sorted({s.frame_rate_hz for s in stimuli}),
         "codec": {"mime": CODEC, "probe": describe_clip(probe)} if rules.codec else None,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -84,11 +85,19 @@ def check_screen(
 def needed_viewport(
     rules: ScreenRules, stimuli: Sequence[Stimulus], across: int, device_pixel_ratio: float
 ) -> tuple[int, int]:
-    """Returns the least window in CSS px: a device pixel per pixel of the largest clip."""
-    if rules.min_viewport_px is not None:
-        return rules.min_viewport_px[0], rules.min_viewport_px[1]
-    width, height = (max(getattr(s, side) for s in stimuli) for side in ("width_px", "height_px"))
-    return int(across * width / device_pixel_ratio), int(height / device_pixel_ratio)
+    """Returns the least window in CSS px: a device pixel per pixel of the largest clips, or what
+    the study file asks for where that is more. The page computes the same."""
+    asked = rules.min_viewport_px or [0, 0]
+    width, height = (
+        max(least, math.ceil(px / device_pixel_ratio))
+        for least, px in zip(asked, clip_px(stimuli, across), strict=True)
+    )
+    return width, height
+
+
+def clip_px(stimuli: Sequence[Stimulus], across: int) -> list[int]:
+    """Returns the device pixels that the largest clips need beside each other."""
+    return [across * max(s.width_px for s in stimuli), max(s.height_px for s in stimuli)]
 
 
 def fits(refresh_hz: float | None, frame_rate_hz: float) -> bool:

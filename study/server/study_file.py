@@ -163,6 +163,12 @@ def _check_together(
                 top.complain(place, f"{question.key}: a {question.kind} question needs a clip")
             if question.kind == "choice" and not is_pair:
                 top.complain(place, f"{question.key}: a choice needs a layout of two clips")
+            if question.kind == "mark" and is_pair:
+                top.complain(
+                    place,
+                    f"{question.key}: a mark needs a layout of one clip",
+                    "write `layout: single`, or remove the question",
+                )
             if place == "end_questions" and question.ask != Ask():
                 top.complain(place, f"{question.key}: is asked always; remove its `ask`")
             rule = question.ask.condition

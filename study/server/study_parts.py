@@ -73,7 +73,7 @@ class ScreenRules:
     """What the screen must be like."""
 
     phone: str  # allow | refuse
-    min_viewport_px: list[int] | None  # CSS px; None: what the largest clip needs
+    min_viewport_px: list[int] | None  # CSS px, where the clips need less
     refresh: str  # ignore | flag | refuse
     codec: bool
     fullscreen: str  # off | offer | require

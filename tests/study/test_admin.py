@@ -11,7 +11,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from study_tools import Person, Server, error_code, response, session_body, trial_body
+from study_tools import Person, Server, error_code, new_id, response, session_body, trial_body
 
 from verisim.study.problems import StudyError
 from verisim.study.server.admin.login import Brake, set_password
@@ -136,6 +136,48 @@ def test_a_participant_is_erased_from_the_page_with_a_reason(admin: Server) -> N
     assert person.client.get("/api/next").status_code == 401
     log = admin.query("SELECT actor, detail_json FROM admin_audit WHERE action LIKE 'erase%'")
     assert log[-1][0] == "ada" and person.participant_id not in log[-1][1]
+
+
+def exported_comments(client: httpx.Client) -> str:
+    reply = client.post("/export", data={"csrf": csrf(client)})
+    with zipfile.ZipFile(io.BytesIO(reply.content)) as archive:
+        return archive.read("mini-export/data/study-mini_table-comments_data.csv").decode()
+
+
+def test_a_redacted_comment_is_gone_everywhere_and_the_act_is_logged(admin: Server) -> None:
+    person = Person.ready(admin)
+    words = "my name is Zebulon Quick"
+    body = trial_body(person.trial()["trial_id"])
+    body["responses"][-1] = response("note", None, words)
+    assert person.post("trials", **body).status_code == 201
+    again = {**body, "submission_id": new_id()}
+    assert person.post("trials", **again).status_code == 409  # kept in the log all the same
+    [(number,)] = admin.query("SELECT comment_id FROM comment WHERE body = ?", words)
+    form = {"what": "comment", "number": str(number)}
+    with visit(admin) as client:
+        log_in(client)
+        assert words in client.get("/").text and words in exported_comments(client)
+        unsaid = client.post("/redact", data={**form, "reason": " ", "csrf": csrf(client)})
+        assert "give a reason" in unsaid.text and words in exported_comments(client)
+        form["reason"] = "names the participant"
+        for wrong in ({"number": "987654"}, {"number": "1 OR 1=1"}, {"what": "participant"}):
+            refused = client.post("/redact", data={**form, **wrong, "csrf": csrf(client)})
+            assert "Nothing was redacted" in refused.text
+        done = client.post("/redact", data={**form, "csrf": csrf(client)})
+        assert "its words are gone" in done.text and words not in done.text
+        twice = client.post("/redact", data={**form, "csrf": csrf(client)})
+        assert "gone already" in twice.text
+        export = exported_comments(client)
+        assert words not in export and ",[redacted]," in export
+    db = Path(admin.db)
+    stored = b"".join(path.read_bytes() for path in db.parent.glob(f"{db.name}*"))
+    assert b"Zebulon" not in stored
+    assert person.post("trials", **body).status_code == 200  # the same letter once more
+    log = admin.query("SELECT actor, detail_json FROM admin_audit WHERE action LIKE 'redact%'")
+    assert log == [("ada", f'{{"number": {number}, "reason": "names the participant"}}')]
+    ratings = admin.query("SELECT count(*) FROM response JOIN trial USING (trial_id) "
+                          "WHERE participant_id = ?", person.participant_id)  # fmt: skip
+    assert ratings == [(3,)]
 
 
 def test_the_export_button_gives_the_export(admin: Server) -> None:

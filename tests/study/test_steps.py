@@ -11,6 +11,7 @@ import pytest
 from study_tools import (
     ENVIRONMENT,
     FULL,
+    PAIRS,
     STUDY,
     Person,
     Server,
@@ -20,6 +21,12 @@ from study_tools import (
     response,
     write_study,
 )
+
+from verisim.study.server.database import writing_engine
+from verisim.study.server.redaction import redact_remark
+from verisim.study.server.screen_check import needed_viewport
+from verisim.study.server.stimulus_set import load_stimulus_set
+from verisim.study.server.study_parts import ScreenRules
 
 SCREEN = {
     "environment": {**ENVIRONMENT, "viewport_w": 1280, "viewport_h": 720},
@@ -108,6 +115,12 @@ def test_instructions_wait_for_the_screen(full: Server) -> None:
         ({"css_px_per_mm": 14.0}, "refused", ["px_per_degree"]),
         ({"environment": {**ENVIRONMENT, "viewport_w": 600}}, "refused", ["viewport"]),
         ({"environment": {**ENVIRONMENT, "is_mobile": True}}, "refused", ["phone"]),
+        # 640 x 480 are CSS px whatever the pixel ratio is.
+        (
+            {"environment": {**ENVIRONMENT, "viewport_w": 640, "device_pixel_ratio": 1.5}},
+            "passed",
+            [],
+        ),
     ],
 )
 def test_the_screen_is_judged(
@@ -127,6 +140,24 @@ def test_the_screen_is_judged(
     if for_good:
         assert step["completion"] == {"kind": "screened_out", "code": "OUT", "return_url": None}
         assert step["screen_problems"] == [{"code": codes[0], "fixable": False}]
+
+
+@pytest.mark.parametrize(
+    ("asked", "ratio", "across", "needed"),
+    [
+        (None, 1, 1, (64, 48)),
+        (None, 1.5, 1, (43, 32)),  # 42.67 CSS px hold 64 device px only in a window of 43
+        (None, 2, 2, (64, 24)),
+        ([50, 40], 1, 1, (64, 48)),  # less than the clips need
+        ([50, 40], 2, 1, (50, 40)),
+    ],
+)
+def test_a_window_needs_room_for_its_clips_or_what_the_study_asks_for(
+    set_dir: Path, asked: list[int] | None, ratio: float, across: int, needed: tuple[int, int]
+) -> None:
+    clips = load_stimulus_set(set_dir).stimuli
+    rules = ScreenRules("allow", asked, "ignore", False, "off", "off", None, None)
+    assert needed_viewport(rules, clips, across, ratio) == needed
 
 
 def test_a_mended_screen_is_accepted_and_its_density_kept(full: Server) -> None:
@@ -218,6 +249,29 @@ def test_last_questions_complete_the_session(full: Server) -> None:
         person.participant_id,
     )
     assert stored == [("age", "old"), ("last", "thanks")]
+
+
+def test_a_text_from_the_end_can_be_redacted(full: Server) -> None:
+    person = at_trials(full)
+    finish(person)
+    words = "call me at 555 0100"
+    responses = [response("age", None, "old"), response("last", None, words)]
+    for answer in responses:
+        answer["rt_origin"] = "form_shown"
+    reply = person.post("end_questions", submission_id=new_id(), responses=responses)
+    assert reply.status_code == 201
+    [(number,)] = full.query("SELECT answer_id FROM session_answer WHERE value_text = ?", words)
+    engine = writing_engine(Path(full.db))
+    with engine.begin() as connection:
+        assert redact_remark(connection, number, reason="a number", actor="ada")
+        assert not redact_remark(connection, number, reason="a number", actor="ada")
+        # What is no free text cannot be redacted.
+        assert not redact_remark(connection, number - 1, reason="age", actor="ada")
+    engine.dispose()
+    kept = full.query("SELECT value_text FROM session_answer WHERE answer_id >= ?", number - 1)
+    assert kept == [("old",), ("[redacted]",)]
+    logged = full.query("SELECT body FROM submission WHERE kind = 'end_questions'")
+    assert words not in str(logged) and ("",) in logged
 
 
 def test_stopping_early_keeps_the_answers_and_pays_from_its_share_on(full: Server) -> None:
@@ -325,7 +379,13 @@ def test_a_study_file_whose_parts_do_not_fit_is_refused(tmp_path: Path) -> None:
         ),
         (("kind: comment, max_chars: 50", "kind: choice"), "a choice needs a layout of two clips"),
         (("sampler: random", "sampler: quest_plus"), "tracks: missing"),
+        (
+            ("kind: comment, max_chars: 50", "kind: mark"),
+            "note: a mark needs a layout of one clip",
+        ),
     ):
-        path = write_study(tmp_path, STUDY.replace(*change))
+        text = PAIRS if "kind: mark" in change[1] else STUDY
+        assert change[0] in text
+        path = write_study(tmp_path, text.replace(*change))
         found = "\n".join(str(problem) for problem in check_study(path))
         assert words in found, found

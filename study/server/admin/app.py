@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import asyncio
 import io
+import re
 import tempfile
 import zipfile
 from collections.abc import Awaitable, Callable
@@ -35,6 +36,7 @@ from verisim.study.server.app import Serving
 from verisim.study.server.database import Place, checkpoint, utc_now
 from verisim.study.server.guard import Guard
 from verisim.study.server.json_text import to_json
+from verisim.study.server.redaction import redact_comment, redact_remark
 from verisim.study.server.withdrawal import erase, find_participant, purge_outside_ids
 
 COOKIE = "verisim_admin"
@@ -75,6 +77,7 @@ def create_admin_app(serving: Serving, hosts: tuple[str, ...]) -> ASGIApp:
 
     add_action("state", admin.set_state)
     add_action("erase", admin.erase)
+    add_action("redact", admin.redact)
     add_action("forget", admin.forget)
     add_action("export", admin.export)
 
@@ -186,6 +189,21 @@ class Admin:
             return "Nobody has this code or identifier."
         await asyncio.to_thread(checkpoint, self._serving.db)
         return f"Deleted, {num} answers with it."
+
+    async def redact(self, session: AdminSession, form: Form) -> str:
+        redact = {"comment": redact_comment, "remark": redact_remark}.get(form.get("what", ""))
+        number, reason = form.get("number", ""), form.get("reason", "").strip()[:200]
+        if not reason:
+            return "Nothing was redacted: give a reason."
+        if redact is None or not re.fullmatch(r"[0-9]{1,15}", number):
+            return "Nothing was redacted: no such text."
+        done = await self._write(
+            lambda c: redact(c, int(number), reason=reason, actor=session.name)
+        )
+        if not done:
+            return "Nothing was redacted: there is no such text, or its words are gone already."
+        await asyncio.to_thread(checkpoint, self._serving.db)
+        return "Redacted: its words are gone from the database; copies made before still hold them."
 
     async def forget(self, session: AdminSession, form: Form) -> str:
         del form

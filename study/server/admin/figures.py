@@ -12,6 +12,7 @@ from verisim.study.server import tables as t
 from verisim.study.server.database import utc_now
 from verisim.study.server.lists import UNFINISHED, count_states, earlier
 from verisim.study.server.open_study import OpenStudy
+from verisim.study.server.redaction import REDACTED
 
 MAX_PEOPLE = 500
 MAX_COMMENTS = 30
@@ -36,6 +37,7 @@ def read_figures(connection: Connection, opened: OpenStudy, mode: str) -> Figure
         "playback": read_playback(connection),
         "screens": read_screens(connection),
         "comments": read_comments(connection),
+        "remarks": read_remarks(connection),
         "links": rows(connection, select(t.invitation).order_by(t.invitation.c.invitation_id)),
         "outside_ids": connection.scalar(select(func.count()).select_from(t.participant_link)),
         "erasures": connection.scalar(select(func.count()).select_from(t.erasure)),
@@ -191,6 +193,7 @@ def read_comments(connection: Connection) -> list[dict[str, Any]]:
         select(
             t.comment.c.comment_id,
             t.comment.c.body,
+            t.comment.c.redacted,
             t.comment.c.answered_utc,
             t.question.c.key,
             t.stimulus.c.name,
@@ -203,3 +206,16 @@ def read_comments(connection: Connection) -> list[dict[str, Any]]:
         .limit(MAX_COMMENTS)
     )
     return rows(connection, query)
+
+
+def read_remarks(connection: Connection) -> list[dict[str, Any]]:
+    """Free texts from the end of the session."""
+    answer = t.session_answer.c
+    query = (
+        select(answer.answer_id, answer.value_text, answer.answered_utc, t.question.c.key)
+        .join_from(t.session_answer, t.question)
+        .where(t.question.c.kind == "comment")
+        .order_by(answer.answer_id.desc())
+        .limit(MAX_COMMENTS)
+    )
+    return [{**row, "redacted": row["value_text"] == REDACTED} for row in rows(connection, query)]

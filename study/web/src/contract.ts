@@ -43,7 +43,8 @@ export interface Condition {
 /** What a screen must be and do; null parts are not asked for. */
 export interface ScreenRules {
   phone: "allow" | "refuse";
-  min_viewport: [number, number] | null; // what the clips need at least, in pixels
+  min_viewport: [number, number] | null; // CSS pixels that the study asks for, where its clips need less
+  clip_px: [number, number]; // device pixels that the clips of a trial need beside each other
   refresh: "ignore" | "flag" | "refuse";
   frame_rates_hz: number[];
   codec: { mime: string; probe: Clip } | null;

@@ -30,7 +30,7 @@ export async function checkScreen(display: HTMLElement, study_page: StudyPage): 
   let todo = new Set(["fullscreen", "viewport", "calibration", "distance"]);
   for (;;) {
     if (todo.has("fullscreen") && rules.fullscreen !== "off") await offerFullscreen(display, texts, rules);
-    if (rules.min_viewport) await waitForRoom(display, texts, rules.min_viewport);
+    await waitForRoom(display, texts, rules);
     if (rules.calibration !== "off" && (todo.has("calibration") || todo.has("px_per_degree"))) {
       size.css_px_per_mm = await calibrate(display, texts, rules.calibration === "offer");
       size.was_skipped = size.css_px_per_mm === null;
@@ -72,10 +72,16 @@ async function offerFullscreen(display: HTMLElement, texts: Texts, rules: Screen
   }
 }
 
-/** Waits until the window has room for the clips: a device pixel for each of theirs, or what the server asks above that. */
-async function waitForRoom(display: HTMLElement, texts: Texts, needed_px: [number, number]): Promise<void> {
+/** CSS pixels that the window needs: a device pixel for each of the clips', or what the study asks for beyond that. */
+export function neededRoom({ min_viewport, clip_px }: ScreenRules, pixel_ratio: number): [number, number] {
+  const least = min_viewport ?? [0, 0];
+  const [width, height] = clip_px.map((px) => Math.ceil(px / pixel_ratio)) as [number, number];
+  return [Math.max(least[0], width), Math.max(least[1], height)];
+}
+
+async function waitForRoom(display: HTMLElement, texts: Texts, rules: ScreenRules): Promise<void> {
   for (;;) {
-    const [width, height] = needed_px.map((px) => Math.ceil(px / window.devicePixelRatio)) as [number, number];
+    const [width, height] = neededRoom(rules, window.devicePixelRatio);
     if (window.innerWidth >= width && window.innerHeight >= height) return;
     const text = texts.viewportText(width, height, window.innerWidth, window.innerHeight);
     const labels = [texts.check_again];

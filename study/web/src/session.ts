@@ -50,10 +50,17 @@ export function visitFrom(address: string): Visit {
   };
 }
 
+/** Outside names as platforms make them; anything else in the address is left alone and never sent. */
+const OUTSIDE_NAME = /^[A-Za-z0-9_.@-]{1,100}$/;
+
 function externalFrom(asked: URLSearchParams): External | null {
+  const taken = (key: string): string | null => {
+    const name = asked.get(key);
+    return name !== null && OUTSIDE_NAME.test(name) ? name : null;
+  };
   const named = (platform: External["platform"], participant: string, study: string, session: string) => {
-    const name = asked.get(participant);
-    return name ? { platform, participant: name, study: asked.get(study), session: asked.get(session) } : null;
+    const name = taken(participant);
+    return name ? { platform, participant: name, study: taken(study), session: taken(session) } : null;
   };
   return (
     named("prolific", "PROLIFIC_PID", "STUDY_ID", "SESSION_ID") ??

@@ -49,8 +49,15 @@ analysis: {primary: which}
 """
 )
 
-SCREEN = """\
+SCREENED = """\
 trial: {layout: single, replays: 0, fixation_ms: [50, 60], rest_every: 0}
+SCREENquestions:
+  - {key: realism, kind: rating, points: 7, prompt: {en: How real was it?}, ends: {en: [not, very]}}
+completion: {screened_out: {code: OUT1, return_url: "https://example.org/out?cc={code}"}}
+"""
+
+
+STRICT_SCREEN = """\
 screen:
   phone: refuse
   min_viewport_px: [1000, 600]
@@ -59,14 +66,13 @@ screen:
   calibration: require
   distance_mm: [300, 600, 1500]
   px_per_degree: [20, 60]
-questions:
-  - {key: realism, kind: rating, points: 7, prompt: {en: How real was it?}, ends: {en: [not, very]}}
-completion: {screened_out: {code: OUT1, return_url: "https://example.org/out?cc={code}"}}
 """
+ROOM_ONLY = "screen: {refresh: ignore, codec: false, fullscreen: off}\n"
 
 
-def with_screen(refresh: str = "flag", fullscreen: str = "off") -> str:
-    return HEAD + SCREEN.replace("RULE", refresh).replace("FULLSCREEN", fullscreen) + TAIL
+def with_screen(refresh: str = "flag", fullscreen: str = "off", rules: str = STRICT_SCREEN) -> str:
+    screen = rules.replace("RULE", refresh).replace("FULLSCREEN", fullscreen)
+    return HEAD + SCREENED.replace("SCREEN", screen) + TAIL
 
 
 IN_TWO_LANGUAGES = """\

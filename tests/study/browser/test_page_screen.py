@@ -8,7 +8,7 @@ import math
 
 import pytest
 from axe import findings
-from mini_studies import with_screen
+from mini_studies import ROOM_ONLY, with_screen
 from page_participant import Participant
 from playwright.sync_api import Browser, expect
 from study_site import StudyServer, Visit
@@ -119,6 +119,24 @@ def test_what_can_be_put_right_is_explained_and_checked_again(
     assert verdicts[0] == "refused"
     assert verdicts[1] in ("passed", "flagged")
     context.close()
+
+
+@pytest.mark.parametrize("study_server", [with_screen(rules=ROOM_ONLY)], indirect=True)
+def test_page_and_server_agree_on_the_room_that_clips_need(
+    browser: Browser, study_server: StudyServer
+) -> None:
+    # 320 x 180 device pixels are 213.3 x 120 CSS pixels here, which only 214 columns hold.
+    context = browser.new_context(viewport={"width": 213, "height": 600}, device_scale_factor=1.5)
+    one = Visit(context, study_server).open()
+    one.press("I agree to take part")
+    one.wait_for_heading("The window is too small")
+    expect(one.page.locator("main")).to_contain_text("214 × 120 pixels; this one has 213 × 600")
+    one.page.set_viewport_size({"width": 214, "height": 600})
+    one.press("Check again")
+    one.page.get_by_role("button", name="Begin").wait_for()
+    context.close()
+    checks = study_server.rows("SELECT verdict, viewport_w_px FROM screen_check")
+    assert checks == [{"verdict": "passed", "viewport_w_px": 214}]
 
 
 @pytest.mark.parametrize("study_server", [with_screen("refuse")], indirect=True)
