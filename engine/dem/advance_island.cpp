@@ -22,8 +22,9 @@ constexpr double kPlastic = 0.05;
 constexpr int kStepsBetweenLooks = 16;
 // Gap error of one implicit step, in depths of rest, that turning bodies may make.
 constexpr double kBend = 1;
-// An implicit step is not cut below this share of the frame; explicit steps take over.
-constexpr double kShortestRestStep = 1.0 / 64;
+// An implicit step is not cut below this share of the frame: there it is kept whatever it does, and
+// a rise of energy goes to the books.
+constexpr double kShortestRestStep = 1.0 / 256;
 constexpr double kOnTime = 1e-12;  // of a frame
 
 bool has_contact(const Island& island) {
@@ -104,24 +105,20 @@ void advance_explicitly(Island& island, double end, double calm_speed,
   island.time = end;
 }
 
-/// Implicit steps until `end` or an impact; false if they cannot go on.
-bool advance_at_rest(Island& island, double end, double impact_at,
+/// Implicit steps until `end` or an impact.
+void advance_at_rest(Island& island, double end, double impact_at,
                      const ContactSettings& settings) {
   const double frame = end - island.time;
   const double on_time = kOnTime * frame;
   while (end - island.time > on_time) {
     const double remaining = end - island.time;
-    if (!has_contact(island) || has_impact(island, remaining, impact_at, settings)) return true;
+    if (!has_contact(island) || has_impact(island, remaining, impact_at, settings)) return;
     double step = std::min(remaining, straight_step(island, settings));
     // Equal steps to the end.
     step = remaining / std::ceil(remaining / step - 1e-9);
-    while (!rest_step(island, step, settings, false)) {
-      step *= 0.5;
-      if (step < kShortestRestStep * frame) return false;
-    }
+    while (!rest_step(island, step, settings, step < 2 * kShortestRestStep * frame)) step *= 0.5;
   }
   island.time = end;
-  return true;
 }
 
 }  // namespace
@@ -132,12 +129,10 @@ void advance_island(Island& island, double end, const ContactSettings& settings)
   while (end - island.time > kOnTime * frame) {
     const bool may_rest = settings.rests_implicitly && scale > 0 && has_contact(island) &&
                           !has_impact(island, end - island.time, kImpact * scale, settings);
-    if (!may_rest) {
+    if (may_rest) {
+      advance_at_rest(island, end, kImpact * scale, settings);
+    } else {
       advance_explicitly(island, end, kCalm * scale, settings);
-    } else if (!advance_at_rest(island, end, kImpact * scale, settings)) {
-      // No good implicit step: explicit ones carry the island over what is in the way.
-      const double until = std::min(end, island.time + kShortestRestStep * frame);
-      advance_explicitly(island, until, 0, settings);
     }
     if (!island.books.is_finite) return;
   }

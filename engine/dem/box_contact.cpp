@@ -149,9 +149,11 @@ std::uint64_t face_point_id(int axis, int face, int in, int out) {
 }
 
 /// Corners of the face of `other`, clipped to the prism over the face of `reference` that looks
-/// along `outward`. `push` is the normal that pushes a away from b.
+/// along `outward`. `push` is the normal that pushes a away from b. `is_sure`: the boxes overlap
+/// least along this face, so something must hold even where no corner lies over it.
 void add_face_points(const Box& reference, const Box& other, const Separation& widest,
-                     const Vector3d& outward, const Vector3d& push, double margin, Found& found) {
+                     const Vector3d& outward, const Vector3d& push, double margin, bool is_sure,
+                     Found& found) {
   const int k = widest.axis % 3;
   int face = 0;
   Polygon polygon = opposed_face(other, outward, face);
@@ -169,7 +171,7 @@ void add_face_points(const Box& reference, const Box& other, const Separation& w
     const Corner& corner = polygon.corners[static_cast<std::size_t>(c)];
     add(corner.place, face_point_id(widest.axis, face, corner.in, corner.out));
   }
-  if (!found.points.empty() || widest.gap >= 0) return;
+  if (!found.points.empty() || widest.gap >= 0 || !is_sure) return;
   // Overlapping, yet no corner over the face: the corner that reaches farthest in holds.
   const Vector3d n_b = other.body.rotation.transpose() * outward;
   const Vector3d corner_b = -n_b.cwiseSign().cwiseProduct(other.half);
@@ -221,21 +223,26 @@ void find_box_points(const BodyState& a, const BodyState& b, double margin, int 
   found.normal = -any.normal;
   found.axis = any.axis;
   if (any.gap >= margin) return;
-  const auto add_points_of_face = [&] {
-    if (face.axis < 3) {
-      add_face_points(box_a, box_b, face, face.normal, -face.normal, margin, found);
-    } else {
-      add_face_points(box_b, box_a, face, -face.normal, -face.normal, margin, found);
-    }
-  };
-  if (any.axis < 6 || meets_parallel_face(box_a, box_b, face)) {
+  const auto add_points_of_face = [&](bool is_sure) {
+    const bool is_of_a = face.axis < 3;
+    const Box &reference = is_of_a ? box_a : box_b, &other = is_of_a ? box_b : box_a;
+    const Vector3d outward = is_of_a ? face.normal : Vector3d(-face.normal);
+    add_face_points(reference, other, face, outward, -face.normal, margin, is_sure, found);
     found.axis = face.axis;
-    add_points_of_face();
+  };
+  if (any.axis < 6) {
+    add_points_of_face(true);
+    return;
   }
-  if (any.axis >= 6 && found.points.empty()) {
-    found.axis = any.axis;
-    add_edge_point(box_a, box_b, any, margin, found);
+  if (meets_parallel_face(box_a, box_b, face)) {
+    add_points_of_face(false);
+    double deepest = -margin;
+    for (const FoundPoint& point : found.points) deepest = std::max(deepest, point.depth);
+    if (!found.points.empty() && deepest >= std::min(any.gap, 0.0) * -kParallelFaces) return;
+    found.points.clear();
   }
+  found.axis = any.axis;
+  add_edge_point(box_a, box_b, any, margin, found);
 }
 
 }  // namespace verisim::dem

@@ -27,6 +27,7 @@ struct ContactPoint {
                       // stiffened or born under load
   Eigen::Vector3d stretch_b = Eigen::Vector3d::Zero();  // m, tangential, frame of body b
   double load = 0;                                      // N, last normal force
+  double expected = 0;  // m, depth that the last implicit step aimed at
   bool is_touching = false;
 };
 

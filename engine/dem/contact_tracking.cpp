@@ -25,10 +25,14 @@ ContactPoint point_from(const FoundPoint& found) {
   return point;
 }
 
-void inherit(const ContactPoint& old, ContactPoint& point) {
-  point.offset = old.offset;
+/// Takes over the spring of `old`. Where the depth is measured along another axis now, the spring
+/// keeps its compression, or the change of axis would load it.
+void inherit(const ContactPoint& old, bool same_axis, ContactPoint& point) {
+  const double compression = std::max(0.0, old.depth - old.offset);
+  point.offset = same_axis ? old.offset : std::max(0.0, point.depth - compression);
   point.stretch_b = old.stretch_b;
   point.load = old.load;
+  point.expected = old.expected;
   point.is_touching = old.is_touching;
 }
 
@@ -59,7 +63,8 @@ void share_load(const std::vector<ContactPoint>& old, ContactPair& pair) {
   }
 }
 
-void keep_springs(const std::vector<ContactPoint>& old, double same_place, ContactPair& pair) {
+void keep_springs(const std::vector<ContactPoint>& old, double same_place, bool same_axis,
+                  ContactPair& pair) {
   bool knows_any = false;
   std::vector<const ContactPoint*> unclaimed;
   const auto known = [&](std::uint64_t id) {
@@ -73,7 +78,7 @@ void keep_springs(const std::vector<ContactPoint>& old, double same_place, Conta
   }
   for (ContactPoint& point : pair.points) {
     if (const auto it = known(point.id); it != old.end()) {
-      inherit(*it, point);
+      inherit(*it, same_axis, point);
       knows_any = true;
       continue;
     }
@@ -81,7 +86,7 @@ void keep_springs(const std::vector<ContactPoint>& old, double same_place, Conta
       return (p->place - point.place).norm() < same_place;
     });
     if (near != unclaimed.end()) {
-      inherit(**near, point);
+      inherit(**near, same_axis, point);
       unclaimed.erase(near);
       knows_any = true;
     } else if (pair.is_touching) {
@@ -113,6 +118,7 @@ void look_at(LocalPair& local, const std::vector<BodyState>& bodies, double marg
   pair.look_margin = margin;
   pair.gap_normal = found.normal;
   pair.gap_is_along_normal = found.is_along_normal;
+  const bool same_axis = pair.last_axis == found.axis;
   pair.last_axis = found.axis;
   if (are_same(pair.points, found.points)) {
     for (std::size_t i = 0; i < found.points.size(); ++i) {
@@ -127,7 +133,7 @@ void look_at(LocalPair& local, const std::vector<BodyState>& bodies, double marg
   pair.points.clear();
   for (const FoundPoint& point : found.points) pair.points.push_back(point_from(point));
   if (!old.empty()) {
-    keep_springs(old, kSamePlace * std::min(a.size, b.size > 0 ? b.size : a.size), pair);
+    keep_springs(old, kSamePlace * std::min(a.size, b.size > 0 ? b.size : a.size), same_axis, pair);
   }
 }
 
@@ -207,6 +213,10 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
                                      1e-9 * mass / (settings.rest_depth * settings.rest_depth)});
     pair.mean_load = 0;
     pair.bank = 0;
+    // What begins under the surface (a scene that starts so) is held there, not thrown out.
+    for (ContactPoint& point : pair.points) {
+      point.offset = point.depth > tolerance ? point.depth : 0;
+    }
     record(ContactChange::kBegin, fastest);
   } else if (pair.is_touching && deepest <= 0 && (!is_near || fastest < 0)) {
     pair.is_touching = false;

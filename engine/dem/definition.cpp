@@ -78,6 +78,23 @@ void check_body(Problems& problems, const BodyDefinition& body) {
   if (body.motion == Motion::kPrescribed) check_path(problems, where, body.prescribed);
 }
 
+void check_materials(Problems& problems, const WorldDefinition& definition) {
+  const MaterialPairs& pairs = definition.material_pairs;
+  const std::size_t size =
+      static_cast<std::size_t>(pairs.count) * static_cast<std::size_t>(pairs.count);
+  const bool is_table = pairs.restitution.size() == size && pairs.friction.size() == size;
+  problems.require(is_table, "world", "material pairs", pairs.restitution.size(),
+                   "restitution and friction of every pair of materials");
+  const auto check = [&](const std::string& where, int material) {
+    problems.require(material >= 0 && material < pairs.count, where, "material", material,
+                     "0 to " + std::to_string(pairs.count - 1));
+  };
+  for (const BodyDefinition& body : definition.bodies) check("body " + body.name, body.material);
+  for (const PlaneDefinition& plane : definition.planes) {
+    check("plane " + plane.name, plane.material);
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> problems_of(const WorldDefinition& definition) {
@@ -101,6 +118,7 @@ std::vector<std::string> problems_of(const WorldDefinition& definition) {
                      plane.normal.norm(), "1, with a finite offset");
   }
   for (const BodyDefinition& body : definition.bodies) check_body(problems, body);
+  if (definition.method == Method::kDem) check_materials(problems, definition);
   return problems.list;
 }
 

@@ -384,7 +384,7 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
   for (LocalPair& local : island.pairs) {
     if (local.pair.is_touching) update_contact(local, island, settings, touch_down);
   }
-  ++island.books.num_steps;
+  count_step(island.books, step);
   return step;
 }
 

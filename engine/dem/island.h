@@ -38,6 +38,11 @@ struct IslandBooks {
   int culprit = -1;  // body of the first load that is not finite
 };
 
+inline void count_step(IslandBooks& books, double duration) {
+  ++books.num_steps;
+  if (books.least_step <= 0 || duration < books.least_step) books.least_step = duration;
+}
+
 struct LocalPair {
   int a = 0, b = 0;  // in Island::bodies
   ContactPair pair;

@@ -29,6 +29,8 @@ constexpr double kImpactDepth = 20;  // depths of rest that an impact may press 
 // Load of a spring, of what presses it in by the depth of rest, beyond which it is stiffened and
 // below which it may soften. Wide apart, so that a load that swings a little moves neither.
 constexpr double kOverload = 1.5, kUnderload = 0.3;
+// A step that ends deeper than it aimed at, by more depths of rest than this, is too long.
+constexpr double kSurprise = 5;
 // Offsets from the projected path smaller than this share of the depth of rest are left out.
 constexpr double kUnseenShift = 1e-4;
 
@@ -97,6 +99,7 @@ void relax_stiffness(LocalPair& local, Island& island, const ContactSettings& se
   const double wanted = load / settings.rest_depth;
   if (!pair.is_touching || !is_pressed) {
     pair.stiffness = wanted;
+    for (ContactPoint& point : pair.points) point.offset = std::max(0.0, point.depth);
   } else if (wanted < kUnderload * pair.stiffness && !has_offset) {
     const double softer = std::max(wanted, 0.5 * pair.stiffness);
     double squares = 0;
@@ -199,6 +202,7 @@ void move(RestProblem& problem, Island& island, double h, const ContactSettings&
     books.friction_work -= h * row.tangential.dot(u_mean);
     row.stretch = stretch;
     row.point->load = row.load;
+    row.point->expected = row.point->depth + after - row.compression;
     const Vector3d force = row.load * n + row.tangential;
     if (row.a < 0 || row.b < 0) {
       const double sign = row.a < 0 ? -1 : 1;  // the free body gets sign * force
@@ -246,9 +250,10 @@ void move(RestProblem& problem, Island& island, double h, const ContactSettings&
   }
 }
 
-/// Stretches turn with body b; contacts begin and end.
-void keep_contacts(RestProblem& problem, Island& island, const ContactSettings& settings,
-                   double look_ahead) {
+/// Stretches turn with body b; contacts begin and end. Returns how much deeper (m) than the step
+/// aimed at any point lies: surfaces met where none was seen, or turned away from where they were.
+double keep_contacts(RestProblem& problem, Island& island, const ContactSettings& settings,
+                     double look_ahead) {
   for (RestRow& row : problem.rows()) {
     const BodyState& b = island.bodies[at(row.local->b)];
     row.point->stretch_b = b.rotation.transpose() * row.stretch;
@@ -263,6 +268,7 @@ void keep_contacts(RestProblem& problem, Island& island, const ContactSettings& 
     island.books.events.push_back(event);
   };
   long num_contacts = 0;
+  double surprise = 0;
   for (LocalPair& local : island.pairs) {
     ContactPair& pair = local.pair;
     double fastest = 0;
@@ -282,6 +288,7 @@ void keep_contacts(RestProblem& problem, Island& island, const ContactSettings& 
     for (ContactPoint& point : pair.points) {
       deepest = std::max(deepest, point.depth);
       heaviest = std::max(heaviest, point.load / point.weight);
+      surprise = std::max(surprise, point.depth - std::max(0.0, point.expected));
       if (point.depth <= point.offset) {
         point.stretch_b.setZero();
         point.load = 0;
@@ -302,6 +309,7 @@ void keep_contacts(RestProblem& problem, Island& island, const ContactSettings& 
     }
   }
   island.books.max_contacts = std::max(island.books.max_contacts, num_contacts);
+  return surprise;
 }
 
 /// Bodies and pairs at the start of a step that may be taken back.
@@ -339,8 +347,8 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
     problem.refresh_rows(settings);
   }
   move(problem, island, duration, settings);
-  keep_contacts(problem, island, settings, duration);
-  ++island.books.num_steps;
+  const double surprise = keep_contacts(problem, island, settings, duration);
+  count_step(island.books, duration);
   ++island.books.num_rest_steps;
 
   const SpringEnergy springs_end = spring_energy(island, settings.tangential_ratio);
@@ -355,7 +363,8 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
   for (int i = 0; i < island.num_free; ++i) {
     unseen += island.bodies[at(i)].mass * settings.gravity.norm() * settings.rest_depth;
   }
-  const bool is_good = outcome.converged && rise <= kUnseenRise * unseen;
+  const bool is_good = outcome.converged && rise <= kUnseenRise * unseen &&
+                       surprise <= kSurprise * settings.rest_depth;
   if (!is_good && !must_take) {
     island.bodies = before.bodies;
     island.pairs = before.pairs;

@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 // pixel shows.
 constexpr double kMaxPenetration = 1e-3;
 // Of the allowed penetration: depth under a resting load; what is left is for impacts on it.
-constexpr double kRestShare = 0.1;
+constexpr double kRestShare = 0.05;
 // Of the allowed penetration: depth of an impact. The fewer bodies an island has the less a
 // stiffer impact costs, and the less gravity acts during it.
 constexpr double kLeastImpactShare = 0.05, kMostImpactShare = 0.5, kImpactSharePerBody = 0.025;
@@ -398,9 +398,8 @@ StepReport SurfaceContacts::step(World& world) {
     num_steps_ += books.num_steps;
     sums.num_contacts += books.max_contacts;
     sums.max_overlap = std::max(sums.max_overlap, books.max_overlap);
-    if (books.num_steps > 0) {
-      const double mean = duration / static_cast<double>(books.num_steps);
-      least_step_ = least_step_ > 0 ? std::min(least_step_, mean) : mean;
+    if (books.num_steps > 0 && (least_step_ <= 0 || books.least_step < least_step_)) {
+      least_step_ = books.least_step;
     }
     if (!books.is_finite && report.nonfinite_body < 0) report.nonfinite_body = books.culprit;
     for (ContactEvent event : books.events) {
