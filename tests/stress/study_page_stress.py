@@ -6,7 +6,11 @@ Run on request: `python -m pytest tests/stress/study_page_stress.py -s`. Prints 
 
 from __future__ import annotations
 
+import re
+import sqlite3
+import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,12 +20,14 @@ from playwright.sync_api import Browser, Page, sync_playwright
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "study" / "browser"))
 
-from mini_clips import write_example_set, write_set  # noqa: E402
+from mini_clips import write_set  # noqa: E402
 from page_participant import Participant  # noqa: E402
 from study_site import SIMULATED, STUDY, StudyServer, Visit  # noqa: E402
 
 NUM_VISITS = 50
 NUM_TRIALS = 60
+NUM_RATERS = 24
+PREVIEW = "320x180"
 EXAMPLES = {
     "seed_questions": "demo",
     "realism_ratings": "demo",
@@ -125,23 +131,77 @@ def test_a_long_visit_does_not_grow_with_its_trials(browser: Browser, tmp_path: 
     server.kill()
 
 
+@pytest.fixture(scope="module")
+def built_sets(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The sets of the examples as `verisim stimuli build` makes them, at the size of a preview."""
+    folder = tmp_path_factory.mktemp("built")
+    (folder / "sets").mkdir()
+    for shared in ("scenes", "meshes"):
+        (folder / shared).symlink_to(ROOT / "stimuli" / shared)
+    for name in sorted(set(EXAMPLES.values())):
+        text = (ROOT / "stimuli" / "sets" / f"{name}.yaml").read_text()
+        small = re.sub(r"(?m)^size: .*$", f"size: {PREVIEW}", text)
+        assert small != text
+        set_file = folder / "sets" / f"{name}.yaml"
+        set_file.write_text(small)
+        verisim("stimuli", "build", set_file, "-o", folder / name)
+    return folder
+
+
+def verisim(*words: object) -> None:
+    command = [sys.executable, "-m", "verisim", *map(str, words)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_a_browser_completes_each_example_study_in_full_length(
-    browser: Browser, tmp_path: Path, name: str
+    browser: Browser, built_sets: Path, tmp_path: Path, name: str
 ) -> None:
     studies = ROOT / "study" / "studies"
     text = (studies / f"{name}.yaml").read_text().replace("texts/", f"{studies}/texts/")
-    set_file = ROOT / "stimuli" / "sets" / f"{EXAMPLES[name]}.yaml"
-    server = StudyServer(tmp_path, write_example_set(tmp_path / "clips", set_file), text)
+    server = StudyServer(tmp_path, built_sets / EXAMPLES[name], text)
     server.start()
     context = browser.new_context(viewport={"width": 1280, "height": 720})
     visit = Visit(context, server)
+    begun = time.monotonic()
     one = visit.open()
-    one.go_through()
+    num_forms = one.go_through()
+    took_s = time.monotonic() - begun
     trials = server.rows("SELECT answered_utc FROM trial")
-    print(f"\n{name}: {len(trials)} trials")
+    [shown] = server.rows(
+        "SELECT sum(frames_total) frames, sum(frames_dropped) dropped, sum(stall_count) stalls "
+        "FROM presentation"
+    )
+    print(f"\n{name}: {len(trials)} trials, {num_forms} forms, {took_s:.0f} s, {shown}")
     assert all(trial["answered_utc"] for trial in trials)
-    assert server.rows("SELECT state FROM participant") == [{"state": "completed"}]
+    assert server.rows("SELECT state, source FROM participant") == [
+        {"state": "completed", "source": "simulated"}
+    ]
     assert visit.complaints == []
     context.close()
     server.kill()
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_scripted_raters_complete_each_example_study_and_it_is_analysed(
+    built_sets: Path, tmp_path: Path, name: str
+) -> None:
+    study = ROOT / "study" / "studies" / f"{name}.yaml"
+    clips, db = built_sets / EXAMPLES[name], tmp_path / "raters.db"
+    begun = time.monotonic()
+    rater = ("--participants", NUM_RATERS, "--db", db)
+    verisim("study", "simulate", study, "--clips", clips, *rater)
+    took_s = time.monotonic() - begun
+    verisim("export", "--db", db, "-o", tmp_path / "export")
+    verisim("analyse", tmp_path / "export", "-o", tmp_path / "report", "--source", "simulated")
+    with sqlite3.connect(db) as connection:
+        states = connection.execute(
+            "SELECT state, source, count(*) FROM participant GROUP BY state, source"
+        ).fetchall()
+        [(num_answers,)] = connection.execute("SELECT count(*) FROM response")
+        [(num_open,)] = connection.execute("SELECT count(*) FROM trial WHERE answered_utc IS NULL")
+    print(f"\n{name}: {NUM_RATERS} raters, {num_answers} answers in {took_s:.0f} s")
+    assert states == [("completed", "simulated", NUM_RATERS)]
+    assert num_open == 0
+    assert (tmp_path / "report" / "report.html").stat().st_size > 10_000

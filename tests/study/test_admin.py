@@ -79,6 +79,15 @@ def test_the_page_needs_no_network_and_is_fenced(admin: Server) -> None:
         assert page.headers["cache-control"] == "no-store"
 
 
+def test_the_page_renews_itself_only_where_nothing_can_be_typed(admin: Server) -> None:
+    with visit(admin) as client:
+        assert client.get("/still").status_code == 303  # to the login
+        log_in(client)
+        overview, still = client.get("/").text, client.get("/still").text
+    assert 'http-equiv="refresh"' in overview and 'name="reason"' not in overview
+    assert 'http-equiv="refresh"' not in still and 'action="/erase"' in still
+
+
 def test_a_form_of_another_page_is_refused(admin: Server) -> None:
     with visit(admin) as client:
         log_in(client)

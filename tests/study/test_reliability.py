@@ -159,7 +159,7 @@ def test_ctrl_c_ends_cleanly_and_folds_the_log_in(
 
 def test_a_second_server_on_the_same_database_is_refused(server: Server) -> None:
     with Server(server.study, server.set_dir, server.db) as second:
-        assert second.process.wait(timeout=20) == 1
+        assert second.wait() == 1
         errors = second.read_errors()
     assert f"in use by another server (process {server.process.pid})" in errors
     assert "hint:" in errors and "Traceback" not in errors
@@ -171,7 +171,7 @@ def test_a_port_in_use_is_named(study_path: Path, set_dir: Path, tmp_path: Path)
         taken.listen()
         port = taken.getsockname()[1]
         with Server(study_path, set_dir, tmp_path / "study.db", port=port) as server:
-            assert server.process.wait(timeout=20) == 1
+            assert server.wait() == 1
             errors = server.read_errors()
     assert f"127.0.0.1:{port}: the port is in use" in errors and "hint:" in errors
 

@@ -57,7 +57,13 @@ def create_admin_app(serving: Serving, hosts: tuple[str, ...]) -> ASGIApp:
         session = admin.session_of(request)
         if session is None:
             return admin.page("login.html", title=admin.title, error="")
-        return admin.overview(session)
+        return admin.overview(session, renewed=True)
+
+    @app.get("/still")
+    def still(request: Request) -> Response:
+        """The same page, which stays as it is while somebody types."""
+        session = admin.session_of(request)
+        return RedirectResponse("/", 303) if session is None else admin.overview(session)
 
     @app.post("/login")
     async def login(request: Request) -> Response:
@@ -119,6 +125,7 @@ class Admin:
         self._brake = Brake()
         loader = FileSystemLoader(templates())
         self._pages = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
+        self._pages.filters["when"] = lambda utc: utc[:19].replace("T", " ")
         self.title = f"Administration: {serving.opened.study.name}"
 
     def page(self, name: str, status: int = 200, **words: Any) -> HTMLResponse:
@@ -128,7 +135,9 @@ class Admin:
     def session_of(self, request: Request) -> AdminSession | None:
         return self.sessions.find(cookie_of(request))
 
-    def overview(self, session: AdminSession, notice: str = "") -> Response:
+    def overview(
+        self, session: AdminSession, notice: str = "", *, renewed: bool = False
+    ) -> Response:
         with self._serving.reader.begin() as connection:
             figures = read_figures(connection, self._serving.opened, self._serving.mode)
         return self.page(
@@ -137,7 +146,7 @@ class Admin:
             f=figures,
             csrf=session.csrf,
             notice=notice,
-            refresh=not notice,
+            refresh=renewed,
         )
 
     async def log_in(self, form: Form) -> Response:
