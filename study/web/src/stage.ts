@@ -9,7 +9,7 @@ export interface ShownSize {
   height_px: number;
 }
 
-const PAIR_GAP_CSS_PX = 32; // grey between two clips side by side, less where their own pixels need the room
+const PAIR_GAP_CSS_PX = 32; // grey between two clips side by side, less where they would not fit unscaled with it
 
 /**
  * Size at which a clip is shown: the largest whole multiple of its own pixels that fits the room, so that no pixel is
@@ -122,9 +122,9 @@ export class Stage {
     const usual_gap = is_pair ? Math.round(PAIR_GAP_CSS_PX * ratio) : 0;
     const fit = (gap: number): ShownSize =>
       fitClip(first.width_px, first.height_px, is_pair ? Math.floor((room_w - gap) / 2) : room_w, room_h);
-    const whole = fit(0).scale >= 1;
-    const size = fit(whole ? 0 : usual_gap);
-    const gap = whole && is_pair ? Math.min(usual_gap, room_w - 2 * size.width_px) : usual_gap;
+    const is_tight = fit(usual_gap).scale < 1 && fit(0).scale >= 1;
+    const size = fit(is_tight ? 0 : usual_gap);
+    const gap = is_tight ? room_w - 2 * size.width_px : usual_gap;
     const left = Math.floor((room_w - (is_pair ? 2 * size.width_px + gap : size.width_px)) / 2);
     this.videos.forEach(({ style }, i) => {
       style.width = `${size.width_px / ratio}px`;

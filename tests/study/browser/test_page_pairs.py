@@ -83,7 +83,7 @@ def test_both_clips_of_a_pair_play_in_full_and_the_choice_names_one_of_them(
         else:
             # Measured 0 to 0.2 ms; one frame is what a busy machine may add.
             assert abs(pair["start_skew_ms"]) <= FRAME_MS + 1
-            assert (pair["displayed_w_px"], pair["scale"]) == (640, 2)
+            assert (pair["displayed_w_px"], pair["scale"]) == (320, 1)  # twice leaves no gap
     assert visit.complaints == []
 
 
@@ -97,13 +97,19 @@ def test_clips_side_by_side_share_a_whole_scale_and_stand_apart_in_the_middle(
     one = Visit(context, study_server).open()
     one.come_to_first_clip()
     one.page.locator(".stage video").first.wait_for(state="attached")
-    left, right = (video.bounding_box() for video in one.page.locator(".stage video").all())
-    assert left is not None and right is not None
-    assert left["width"] == right["width"] == 640
-    assert left["height"] == right["height"] == 360
-    assert right["x"] - (left["x"] + left["width"]) == 32
-    assert left["x"] == 1400 - (right["x"] + right["width"])
-    assert left["y"] == right["y"] == 120
+    for window, scale, gap in (
+        (1400, 2, 32),
+        (1280, 1, 32),  # twice the size would leave no grey between them
+        (650, 1, 10),  # and once the size never gives way to it
+    ):
+        one.page.set_viewport_size({"width": window, "height": 600})
+        left, right = (video.bounding_box() for video in one.page.locator(".stage video").all())
+        assert left is not None and right is not None
+        assert left["width"] == right["width"] == 320 * scale
+        assert left["height"] == right["height"] == 180 * scale
+        assert right["x"] - (left["x"] + left["width"]) == gap
+        assert left["x"] == window - (right["x"] + right["width"])
+        assert left["y"] == right["y"] == (600 - 180 * scale) / 2
     context.close()
 
 
