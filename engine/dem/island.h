@@ -32,6 +32,7 @@ struct IslandBooks {
   double overlap_total = 0, num_overlaps = 0, max_overlap = 0;
   double least_step = 0;  // s
   long num_steps = 0, num_rest_steps = 0, max_contacts = 0;
+  long num_newton_steps = 0, num_refused_steps = 0;  // of implicit steps
   double energy_rise = 0;  // J, largest of one implicit step that nothing put in
   std::vector<ContactEvent> events;
   bool is_finite = true;

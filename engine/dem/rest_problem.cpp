@@ -24,14 +24,14 @@ constexpr int kMostNewtonSteps = 40;
 // Newton steps without halving the residual after which it counts as solved, if it is this small.
 constexpr int kStalled = 4;
 constexpr double kFloor = 1e-6;
-constexpr int kMostPasses = 4;
 // How far a solve goes: share of its start that the residual must fall to in a pass, and change of
 // the bounds (rms, of all bounds) below which they are settled. Rest is solved out. What moves is
 // solved as well as its step is accurate: momentum is exact anyway, and the energy is watched.
 struct Accuracy {
   double gain, bound_change;
+  int most_passes;
 };
-constexpr Accuracy kResting{1e-9, 1e-6}, kMoving{1e-3, 1e-2};
+constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{1e-5, 1e-3, 4};
 // Residual at the start of a step, as a share of the weights, from where an island counts as
 // moving.
 constexpr double kCalm = 0.1;
@@ -325,7 +325,7 @@ RestProblem::Outcome RestProblem::solve(const ContactSettings&) {
   const bool is_small = island_->num_free < kManyBodies;
   const double tolerance = is_small ? kTightResidual : kLooseResidual;
   Accuracy accuracy = kResting;
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < accuracy.most_passes; ++pass) {
     evaluate(v_, gradient);
     double residual = scaled_residual(gradient);
     const double start = residual;
@@ -367,7 +367,8 @@ RestProblem::Outcome RestProblem::solve(const ContactSettings&) {
       whole += bound * bound;
     }
     const bool is_settled = change <= accuracy.bound_change * accuracy.bound_change * whole;
-    if (is_settled || pass + 1 == kMostPasses) break;  // the bounds stay those of the solution
+    if (is_settled || pass + 1 == accuracy.most_passes)
+      break;  // the bounds stay those of the solution
     for (RestRow& row : rows_) row.bound = row.friction * row.load;
   }
   // The loads of the solution, put on the bodies exactly: momentum is kept to rounding.

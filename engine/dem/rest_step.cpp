@@ -340,9 +340,11 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
   RestProblem problem;
   problem.set_up(island, duration, settings);
   RestProblem::Outcome outcome;
+  int newton_steps = 0;
   const int most_solves = island.num_free > kPile ? 2 : kMostSolves;
   for (int i = 0; i < most_solves; ++i) {
     outcome = problem.solve(settings);
+    newton_steps += outcome.newton_steps;
     if (i + 1 == most_solves || !stiffen_overloaded(problem, island, settings)) break;
     problem.refresh_rows(settings);
   }
@@ -369,9 +371,12 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
     island.bodies = before.bodies;
     island.pairs = before.pairs;
     island.books = before.books;
+    island.books.num_newton_steps += newton_steps;
+    ++island.books.num_refused_steps;
     island.time = before.time;
     return false;
   }
+  island.books.num_newton_steps += newton_steps;
   island.books.energy_rise = std::max(island.books.energy_rise, rise);
   return true;
 }

@@ -396,6 +396,9 @@ StepReport SurfaceContacts::step(World& world) {
     elastic_energy_ += books.elastic_energy;
     energy_rise_ = std::max(energy_rise_, books.energy_rise);
     num_steps_ += books.num_steps;
+    work_.rest_steps += books.num_rest_steps;
+    work_.newton_steps += books.num_newton_steps;
+    work_.refused_steps += books.num_refused_steps;
     sums.num_contacts += books.max_contacts;
     sums.max_overlap = std::max(sums.max_overlap, books.max_overlap);
     if (books.num_steps > 0 && (least_step_ <= 0 || books.least_step < least_step_)) {

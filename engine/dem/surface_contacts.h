@@ -17,6 +17,13 @@ struct Chosen {
   double impact_depth = 0;     // m, of a spring stopping an impact
 };
 
+/// Where the work of a run went.
+struct WorkSplit {
+  long rest_steps = 0;     // implicit steps kept
+  long refused_steps = 0;  // implicit steps taken back
+  long newton_steps = 0;   // in all of them
+};
+
 class SurfaceContacts {
  public:
   explicit SurfaceContacts(const WorldDefinition& definition);
@@ -32,6 +39,7 @@ class SurfaceContacts {
   double elastic_energy() const { return elastic_energy_; }
   double least_step() const { return least_step_; }
   long num_steps() const { return num_steps_; }
+  const WorkSplit& work() const { return work_; }
   double largest_energy_rise() const { return energy_rise_; }
   long num_samples() const { return num_samples_; }
 
@@ -59,6 +67,7 @@ class SurfaceContacts {
   std::vector<double> factor_of_law_;    // [M * M] calibrated damping of each pair of materials
   double elastic_energy_ = 0, least_step_ = 0, energy_rise_ = 0;
   long num_steps_ = 0, num_samples_ = 0;
+  WorkSplit work_;
 
  public:
   // Between two steps (surface_look.cpp).
