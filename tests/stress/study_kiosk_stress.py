@@ -44,8 +44,8 @@ def display(tmp_path: Path) -> Iterator[str]:
     with (tmp_path / "xvfb.log").open("w") as log:
         xvfb = subprocess.Popen(command, pass_fds=[writes], stdout=log, stderr=log)
     os.close(writes)
-    number = os.read(reads, 16).decode().strip()
-    os.close(reads)
+    with os.fdopen(reads) as told:
+        number = told.readline().strip()
     yield f":{number}"
     xvfb.terminate()
     xvfb.wait()

@@ -166,7 +166,7 @@ def _clip(
 
 # Servers are forked from one process that has imported the server: that spares 1.6 s of CPU each.
 FORKS = multiprocessing.get_context("forkserver")
-FORKS.set_forkserver_preload(["verisim.study.server", "study_tools"])
+FORKS.set_forkserver_preload(["verisim.study.server.run_server", "httpx"])
 
 
 def run_server(

@@ -52,7 +52,7 @@ TEXTS = {
 }
 # Servers are forked from one process that has imported the server: that spares 1.6 s of CPU each.
 FORKS = multiprocessing.get_context("forkserver")
-FORKS.set_forkserver_preload(["verisim.study.server"])
+FORKS.set_forkserver_preload(["verisim.study.server.run_server"])
 
 
 @cache
