@@ -42,7 +42,7 @@ double impact_speed(LocalPair& local, Island& island, double duration,
   const double bound = (a.velocity - b.velocity).norm() + a.spin.norm() * a.reach +
                        b.spin.norm() * b.reach + g * duration;
   if (local.pair.gap > bound * duration) return 0;
-  look_at(local, island.bodies, bound * duration + settings.impact_depth);
+  look_and_book(local, island, bound * duration + settings.impact_depth);
   double fastest = 0;
   for (const ContactPoint& point : local.pair.points) {
     const double speed = closing_speed(local, island.bodies, point);

@@ -36,6 +36,12 @@ void inherit(const ContactPoint& old, bool same_axis, ContactPoint& point) {
   point.is_touching = old.is_touching;
 }
 
+/// Energy (J) of a point's normal spring.
+double energy_of(const ContactPair& pair, const ContactPoint& point) {
+  const double compression = std::max(0.0, point.depth - point.offset);
+  return 0.5 * pair.stiffness * point.weight * compression * compression;
+}
+
 /// The old load over new points that are none of the old: equal forces, their energy no more than
 /// the old one.
 void share_load(const std::vector<ContactPoint>& old, ContactPair& pair) {
@@ -43,7 +49,7 @@ void share_load(const std::vector<ContactPoint>& old, ContactPair& pair) {
   for (const ContactPoint& point : old) {
     const double force = pair.stiffness * point.weight * std::max(0.0, point.depth - point.offset);
     load += force;
-    if (force > 0) energy += 0.5 * force * (point.depth - point.offset);
+    energy += energy_of(pair, point);
   }
   double compliance = 0, count = 0;
   for (const ContactPoint& point : pair.points) {
@@ -63,8 +69,9 @@ void share_load(const std::vector<ContactPoint>& old, ContactPair& pair) {
   }
 }
 
-void keep_springs(const std::vector<ContactPoint>& old, double same_place, bool same_axis,
-                  ContactPair& pair) {
+/// Returns the energy (J) of springs that nobody took over.
+double keep_springs(const std::vector<ContactPoint>& old, double same_place, bool same_axis,
+                    ContactPair& pair) {
   bool knows_any = false;
   std::vector<const ContactPoint*> unclaimed;
   const auto known = [&](std::uint64_t id) {
@@ -93,7 +100,13 @@ void keep_springs(const std::vector<ContactPoint>& old, double same_place, bool 
       point.offset = std::max(0.0, point.depth);
     }
   }
-  if (!knows_any && pair.is_touching) share_load(old, pair);
+  double lost = 0;
+  for (const ContactPoint* point : unclaimed) lost += energy_of(pair, *point);
+  if (!knows_any && pair.is_touching) {
+    share_load(old, pair);
+    for (const ContactPoint& point : pair.points) lost -= energy_of(pair, point);
+  }
+  return lost;
 }
 
 /// Old and new points in the same order with the same names: the usual case.
@@ -107,7 +120,7 @@ bool are_same(const std::vector<ContactPoint>& points, const std::vector<FoundPo
 
 }  // namespace
 
-void look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin) {
+double look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin) {
   thread_local Found found;
   thread_local std::vector<ContactPoint> old;
   ContactPair& pair = local.pair;
@@ -127,14 +140,20 @@ void look_at(LocalPair& local, const std::vector<BodyState>& bodies, double marg
       point.normal = found.points[i].normal;
       point.depth = found.points[i].depth;
     }
-    return;
+    return 0;
   }
   old.swap(pair.points);
   pair.points.clear();
   for (const FoundPoint& point : found.points) pair.points.push_back(point_from(point));
-  if (!old.empty()) {
-    keep_springs(old, kSamePlace * std::min(a.size, b.size > 0 ? b.size : a.size), same_axis, pair);
-  }
+  if (old.empty()) return 0;
+  const double same_place = kSamePlace * std::min(a.size, b.size > 0 ? b.size : a.size);
+  const double lost = keep_springs(old, same_place, same_axis, pair);
+  pair.bank += lost;
+  return lost;
+}
+
+void look_and_book(LocalPair& local, Island& island, double margin) {
+  island.books.damping_work += look_at(local, island.bodies, margin);
 }
 
 double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodies,

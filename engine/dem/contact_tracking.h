@@ -8,8 +8,11 @@ namespace verisim::dem {
 
 /// Looks at a pair anew. Points that are known again keep their springs; points that appear under
 /// the surface of a pair that already touches are born without force (offset = depth); if no point
-/// is known again, the new ones share the old load, without gain of energy.
-void look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin);
+/// is known again, the new ones share the old load, without gain of energy. Returns the energy (J)
+/// of springs that nobody takes over; the pair's bank has it.
+double look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin);
+/// The same; the island's books take the energy.
+void look_and_book(LocalPair& local, Island& island, double margin);
 
 /// Speed (m/s) at which the bodies approach each other at a point; < 0: they part.
 double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodies,

@@ -347,10 +347,10 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
   bool is_any_touching = false;
   for (LocalPair& local : island.pairs) {
     if (!local.pair.is_touching && local.pair.gap <= touch_down) {
-      look_at(local, island.bodies, settings.impact_depth);
+      look_and_book(local, island, settings.impact_depth);
       update_contact(local, island, settings, touch_down);
     } else if (local.pair.is_touching && !island.has_forces) {
-      look_at(local, island.bodies, settings.impact_depth);
+      look_and_book(local, island, settings.impact_depth);
       update_contact(local, island, settings, touch_down);
     }
     is_any_touching = is_any_touching || local.pair.is_touching;
@@ -377,7 +377,7 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
     if (!local.pair.is_touching) continue;
     const Approach approach = fastest_approach(local, island, settings.gravity);
     const double margin = 2 * step * (approach.speed + step * approach.acceleration);
-    look_at(local, island.bodies, std::max(settings.impact_depth, margin));
+    look_and_book(local, island, std::max(settings.impact_depth, margin));
   }
   evaluate_contact_forces(island, step, settings);
   kick(island, 0.5 * step, settings.gravity);

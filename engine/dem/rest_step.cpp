@@ -282,7 +282,7 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
     pair.is_touching = pair.is_touching || is_loaded;
     pair.is_compressing = false;
     pair.approach_speed = least_approach_speed(settings);
-    look_at(local, island.bodies, reach_of(local, island, look_ahead, settings));
+    look_and_book(local, island, reach_of(local, island, look_ahead, settings));
     double deepest = -1;
     double heaviest = 0;
     for (ContactPoint& point : pair.points) {
@@ -325,7 +325,7 @@ struct Before {
 bool rest_step(Island& island, double duration, const ContactSettings& settings, bool must_take) {
   const Before before{island.bodies, island.pairs, island.books, island.time};
   for (LocalPair& local : island.pairs) {
-    look_at(local, island.bodies, reach_of(local, island, duration, settings));
+    look_and_book(local, island, reach_of(local, island, duration, settings));
   }
   const double shear_start = spring_energy(island, settings.tangential_ratio).shear;
   for (LocalPair& local : island.pairs) {
