@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Seeded drops of tests/data/drop_corpus, and runs of scenes in processes with a time limit."""
+"""Seeded drops of tests/data/drop_corpus, and runs of scenes in processes with a CPU limit."""
 
 from __future__ import annotations
 
 import json
 import multiprocessing
+import resource
+import signal
 import time
 from dataclasses import dataclass, field
 from functools import cache
@@ -110,7 +112,8 @@ class Outcome:
         return f"{self.name}: {self.code}, {where}; {self.message} [{self.wall_s:.0f} s]"
 
 
-def _simulate(scene: str, overrides: list[str], end: Connection) -> None:
+def _simulate(scene: str, overrides: list[str], limit_s: int, end: Connection) -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s))
     late: list[tuple[float, float]] = []  # simulated and CPU time, in the last quarter
 
     def note(done: float, total: float) -> None:
@@ -126,19 +129,19 @@ def _simulate(scene: str, overrides: list[str], end: Connection) -> None:
 
 def run_scenes(
     scenes: list[Path],
-    limit_s: float,
+    limit_s: int,
     *,
     num_processes: int = 1,
     overrides: list[str] | None = None,
 ) -> list[Outcome]:
-    """Each scene in a process of its own, which is ended after limit_s."""
+    """Each scene in a process of its own, which is ended after limit_s of CPU time."""
     waiting, running, outcomes = list(scenes), [], []
     while waiting or running:
         while waiting and len(running) < num_processes:
             scene = waiting.pop(0)
             here, there = multiprocessing.Pipe(duplex=False)
             process = multiprocessing.Process(
-                target=_simulate, args=(str(scene), overrides or [], there)
+                target=_simulate, args=(str(scene), overrides or [], limit_s, there)
             )
             process.start()
             there.close()
@@ -147,27 +150,24 @@ def run_scenes(
             scene, process, here, start = job
             wall = time.monotonic() - start
             outcome = Outcome(scene.stem, wall_s=wall)
-            if here.poll(0.02):
-                _read(here, outcome)
-            elif wall > limit_s:
-                process.kill()
-                outcome.code, outcome.message = "timeout", f"not done after {limit_s:g} s"
-            elif process.is_alive():
+            if not here.poll(0.02):
                 continue
-            else:
-                outcome.code, outcome.message = "crash", f"exit code {process.exitcode}"
+            has_result = _read(here, outcome)
             process.join()
+            if process.exitcode in (-signal.SIGXCPU, -signal.SIGKILL):
+                outcome.code, outcome.message = "timeout", f"not done after {limit_s} CPU s"
+            elif not has_result:
+                outcome.code, outcome.message = "crash", f"exit code {process.exitcode}"
             running.remove(job)
             outcomes.append(outcome)
     return outcomes
 
 
-def _read(here: Connection, outcome: Outcome) -> None:
+def _read(here: Connection, outcome: Outcome) -> bool:
     try:
         summary, outcome.poses, outcome.late_cpu_s_per_sim_s = here.recv()
     except EOFError:
-        outcome.code, outcome.message = "crash", "ended without a result"
-        return
+        return False
     outcome.metrics = summary["metrics"]
     outcome.cpu_s_per_sim_s = summary["cpu_s_per_sim_s"] or 0
     outcome.residual = summary["metrics"]["energy_residual_rel"]
@@ -176,6 +176,7 @@ def _read(here: Connection, outcome: Outcome) -> None:
         outcome.code, outcome.body = failed["code"], failed["body"]
         outcome.step, outcome.time_s = failed["step"], failed["time_s"]
         outcome.message = failed["message"]
+    return True
 
 
 def write_scene(folder: Path, content: dict[str, Any]) -> Path:
