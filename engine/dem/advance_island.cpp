@@ -44,10 +44,17 @@ double impact_speed(LocalPair& local, Island& island, double duration,
   if (local.pair.gap > bound * duration) return 0;
   look_and_book(local, island, bound * duration + settings.impact_depth);
   double fastest = 0;
+  const double inverse_mass = inverse_pair_mass(a, b);
   for (const ContactPoint& point : local.pair.points) {
     const double speed = closing_speed(local, island.bodies, point);
     if (point.depth > 0) {
       fastest = std::max(fastest, std::abs(speed));
+      // At the turning point of an impact nothing moves, but the spring is out of balance: what it
+      // has left to give counts as speed.
+      const double k = local.pair.stiffness * point.weight;
+      if (!island.has_forces || !(k > 0)) continue;
+      const double pull = point.normal.dot(a.inverse_mass * a.force - b.inverse_mass * b.force);
+      fastest = std::max(fastest, std::abs(pull) / std::sqrt(k * inverse_mass));
       continue;
     }
     const double pull = (a.is_free() != b.is_free()) ? g : 0;

@@ -148,7 +148,6 @@ double look_at(LocalPair& local, const std::vector<BodyState>& bodies, double ma
   if (old.empty()) return 0;
   const double same_place = kSamePlace * std::min(a.size, b.size > 0 ? b.size : a.size);
   const double lost = keep_springs(old, same_place, same_axis, pair);
-  pair.bank += lost;
   return lost;
 }
 
@@ -171,14 +170,12 @@ double least_approach_speed(const ContactSettings& settings) {
   return std::sqrt(settings.gravity.norm() * settings.rest_depth);
 }
 
-double stiffen(ContactPair& pair, double stiffness, double tangential_ratio) {
+double stiffen(ContactPair& pair, double stiffness) {
   const double old = pair.stiffness;
   if (!(stiffness > old)) return 0;
-  double loss = 0, shear_loss = 0;
+  double loss = 0;
   for (ContactPoint& point : pair.points) {
     // The tangential spring keeps its force as well: it shortens. That counts as slip.
-    shear_loss += 0.5 * tangential_ratio * old * point.weight * point.stretch_b.squaredNorm() *
-                  (1 - old / stiffness);
     point.stretch_b *= old / stiffness;
     const double compression = point.depth - point.offset;
     if (compression <= 0) continue;
@@ -186,7 +183,6 @@ double stiffen(ContactPair& pair, double stiffness, double tangential_ratio) {
     point.offset = point.depth - compression * old / stiffness;
   }
   pair.stiffness = stiffness;
-  pair.bank += loss + shear_loss;
   return loss;
 }
 
@@ -231,7 +227,6 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
                          : std::max({mass * ratio * ratio, weight / settings.rest_depth,
                                      1e-9 * mass / (settings.rest_depth * settings.rest_depth)});
     pair.mean_load = 0;
-    pair.bank = 0;
     // What begins under the surface (a scene that starts so) is held there, not thrown out.
     for (ContactPoint& point : pair.points) {
       point.offset = point.depth > tolerance ? point.depth : 0;

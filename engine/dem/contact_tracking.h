@@ -9,7 +9,7 @@ namespace verisim::dem {
 /// Looks at a pair anew. Points that are known again keep their springs; points that appear under
 /// the surface of a pair that already touches are born without force (offset = depth); if no point
 /// is known again, the new ones share the old load, without gain of energy. Returns the energy (J)
-/// of springs that nobody takes over; the pair's bank has it.
+/// of springs that nobody takes over.
 double look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin);
 /// The same; the island's books take the energy.
 void look_and_book(LocalPair& local, Island& island, double margin);
@@ -27,9 +27,8 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
 double inverse_pair_mass(const BodyState& a, const BodyState& b);
 
 /// Raises a pair's stiffness with the force of every point held continuous. Returns the energy (J)
-/// that this takes out of the normal springs; with that of the tangential ones it goes to the
-/// pair's bank.
-double stiffen(ContactPair& pair, double stiffness, double tangential_ratio);
+/// that this takes out of the normal springs.
+double stiffen(ContactPair& pair, double stiffness);
 
 /// Slowest approach speed (m/s) that damping is scaled with: the speed of free fall through the
 /// depth of rest.

@@ -21,8 +21,6 @@ constexpr double kTurn = 0.03;
 constexpr double kTouchDown = 1e-3;
 // Longest time over which a pair's load is averaged (s).
 constexpr double kLoadMemory = 0.02;
-// Time in which an offset is given back, as far as the bank pays for it (s).
-constexpr double kOffsetMemory = 0.05;
 
 BodyState& body_a(Island& island, const LocalPair& local) {
   return island.bodies[static_cast<std::size_t>(local.a)];
@@ -183,7 +181,8 @@ void apply(LocalPair& local, ContactPoint& point, int num_points, double drift,
   const Vector3d velocity = a.velocity_at(point.place) - b.velocity_at(point.place);
   const double closing = -n.dot(velocity);
   const double k = pair.stiffness * point.weight;
-  const double relaxation = local.factor / pair.approach_speed * compression;  // s
+  const double relaxation =
+      pair.approach_speed > 0 ? local.factor / pair.approach_speed * compression : 0;  // s
   // The damping alone is taken implicitly, with all points of the pair acting on the same mass.
   const double damping =
       k * relaxation / (1 + 0.5 * drift * num_points * k * relaxation * inverse_pair_mass(a, b));
@@ -227,7 +226,6 @@ void apply(LocalPair& local, ContactPoint& point, int num_points, double drift,
   a.friction_torque += arm_a.cross(friction);
   b.friction_force -= friction;
   b.friction_torque -= arm_b.cross(friction);
-  pair.bank += std::max(0.0, drift * damped * closing);
   const double sheared = 0.5 * shear * kept.squaredNorm();
   island.books.elastic_energy += 0.5 * k * compression * compression + sheared;
   island.books.shear_energy += sheared;
@@ -266,15 +264,7 @@ void adapt(LocalPair& local, Island& island, double drift, const ContactSettings
     wanted = std::min(1.5 * pair.stiffness, pair.mean_load / settings.rest_depth);
   }
   if (wanted > pair.stiffness) {
-    island.books.damping_work += stiffen(pair, wanted, settings.tangential_ratio);
-  }
-  for (ContactPoint& point : pair.points) {
-    if (point.offset <= 0 || point.load <= 0) continue;
-    const double paid = pair.bank / point.load;
-    const double lift = std::min({point.offset, drift * settings.rest_depth / kOffsetMemory, paid});
-    point.offset -= lift;
-    pair.bank -= lift * point.load;
-    island.books.damping_work -= lift * point.load;
+    island.books.damping_work += stiffen(pair, wanted);
   }
 }
 

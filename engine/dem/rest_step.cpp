@@ -14,8 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Time in which an offset is given back, as far as the bank pays for it (s).
-constexpr double kOffsetMemory = 0.05;
 // A rise of energy below this share of what lifts the island by the depth of rest is rounding.
 constexpr double kUnseenRise = 1e-3;
 // Stiffness grows by no more than this factor at a time: resting loads are found at once, the
@@ -108,28 +106,7 @@ void relax_stiffness(LocalPair& local, Island& island, const ContactSettings& se
     }
     const double given_up = 0.5 * (pair.stiffness - softer) * squares;
     island.books.damping_work += given_up;
-    pair.bank += given_up;
     pair.stiffness = softer;
-  }
-}
-
-/// Gives back offsets as far as the pair's bank pays for the lift.
-void give_back_offsets(LocalPair& local, double duration, const ContactSettings& settings,
-                       IslandBooks& books) {
-  ContactPair& pair = local.pair;
-  for (ContactPoint& point : pair.points) {
-    const double compression = point.depth - point.offset;
-    if (point.offset <= 0 || compression <= 0) continue;
-    const double k = pair.stiffness * point.weight;
-    double lift = std::min(point.offset, duration * settings.rest_depth / kOffsetMemory);
-    const auto price_of = [&](double l) { return k * l * (compression + 0.5 * l); };
-    if (price_of(lift) > pair.bank) {
-      lift = std::sqrt(compression * compression + 2 * pair.bank / k) - compression;
-    }
-    const double price = std::min(price_of(lift), pair.bank);
-    point.offset -= lift;
-    pair.bank -= price;
-    books.damping_work -= price;
   }
 }
 
@@ -154,7 +131,7 @@ bool stiffen_overloaded(RestProblem& problem, Island& island, const ContactSetti
     const double k = local.pair.stiffness;
     if (load <= kOverload * k * depth) continue;
     const double raised = std::min(load / depth, most * k);
-    island.books.damping_work += stiffen(local.pair, raised, settings.tangential_ratio);
+    island.books.damping_work += stiffen(local.pair, raised);
     is_raised = true;
   }
   return is_raised;
@@ -174,7 +151,15 @@ void move(RestProblem& problem, Island& island, double h, const ContactSettings&
         {largest, shift[i].head<3>().norm(), shift[i].tail<3>().norm() * island.bodies[i].reach});
   }
   const std::vector<Vector6> whole_shift = shift;
-  if (largest > kUnseenShift * settings.rest_depth) {
+  // An impact changes velocities within the step, not over it: no mean to go by, and a shift across
+  // the velocity would turn the angular momentum.
+  double impact = 0;
+  for (const RestRow& row : problem.rows()) {
+    if (row.load <= 0) continue;
+    impact = std::max(impact, -row.normal.dot(problem.relative_velocity(row, start)));
+  }
+  const bool is_smooth = impact <= kImpact * least_approach_speed(settings);
+  if (is_smooth && largest > kUnseenShift * settings.rest_depth) {
     problem.project(shift);
   } else {
     for (Vector6& s : shift) s.setZero();
@@ -194,7 +179,6 @@ void move(RestProblem& problem, Island& island, double h, const ContactSettings&
         (std::pow(std::max(0.0, after), 2) - std::pow(std::max(0.0, row.compression), 2));
     const double damped = -h * row.load * n.dot(u_mean) - stored;
     books.damping_work += damped;
-    row.local->pair.bank += std::max(0.0, damped);
     Vector3d stretch = row.stretch + h * (u_end - n.dot(u_end) * n);
     const double limit =
         std::min(row.bound, row.friction * row.stiffness * std::max(0.0, after)) / row.shear;
@@ -330,7 +314,6 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
   const double shear_start = spring_energy(island, settings.tangential_ratio).shear;
   for (LocalPair& local : island.pairs) {
     relax_stiffness(local, island, settings);
-    give_back_offsets(local, duration, settings, island.books);
   }
   const SpringEnergy springs_start = spring_energy(island, settings.tangential_ratio);
   const double energy_start =

