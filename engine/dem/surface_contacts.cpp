@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "dem/contact_tracking.h"
 #include "dem/explicit_step.h"
@@ -415,8 +416,11 @@ StepReport SurfaceContacts::step(World& world) {
       world.contacts.events.push_back(event);
     }
   }
-  std::stable_sort(world.contacts.events.begin(), world.contacts.events.end(),
-                   [](const ContactEvent& x, const ContactEvent& y) { return x.time < y.time; });
+  std::sort(world.contacts.events.begin(), world.contacts.events.end(),
+            [](const ContactEvent& x, const ContactEvent& y) {
+              return std::tuple(x.time, x.body_a, x.body_b, x.plane, x.change) <
+                     std::tuple(y.time, y.body_a, y.body_b, y.plane, y.change);
+            });
   std::sort(pairs.begin(), pairs.end(),
             [](const ContactPair& x, const ContactPair& y) { return x.key() < y.key(); });
   pairs_ = std::move(pairs);
