@@ -21,10 +21,8 @@ export async function playForMark(showing: Showing, texts: Texts): Promise<numbe
     return made;
   };
   const watch = new AbortController();
-  await rewind(video);
-  stage.showVideos([video]);
 
-  return new Promise((resolve) => {
+  return new Promise((resolve, reject) => {
     let play: ReturnType<typeof beginPlays>[number] | undefined;
     const finish = (time_ms: number | null): void => {
       watch.abort();
@@ -36,7 +34,9 @@ export async function playForMark(showing: Showing, texts: Texts): Promise<numbe
       resolve(time_ms);
     };
     const run = async (): Promise<void> => {
-      if (video.ended) await rewind(video);
+      if (!play || video.ended) await rewind(video);
+      if (watch.signal.aborted) return; // they went back meanwhile
+      stage.showVideos([video]);
       hint.textContent = texts.mark_hint;
       panel.replaceChildren(hint, button(texts.mark_pause, "primary", pause));
       panel.querySelector("button")?.focus();
@@ -44,6 +44,7 @@ export async function playForMark(showing: Showing, texts: Texts): Promise<numbe
       play?.asked();
       await video.play().catch(() => onPaused());
     };
+    const begin = (): void => void run().catch(reject);
     const pause = (): void => video.pause(); // its event shows the buttons
     const onPaused = (): void => {
       if (watch.signal.aborted) return;
@@ -54,7 +55,7 @@ export async function playForMark(showing: Showing, texts: Texts): Promise<numbe
         button(texts.mark_earlier, "", () => step(-1)),
         button(texts.mark_later, "", () => step(1)),
         button(texts.mark_here, "primary", () => finish(Math.min(1000 * video.currentTime, 1000 * clip.duration_s))),
-        button(is_over ? texts.mark_again : texts.mark_go_on, "", () => void run()),
+        button(is_over ? texts.mark_again : texts.mark_go_on, "", () => begin()),
         button(texts.mark_back, "", () => finish(null)),
       );
       panel.querySelector<HTMLElement>(".primary")?.focus();
@@ -74,6 +75,6 @@ export async function playForMark(showing: Showing, texts: Texts): Promise<numbe
       else return;
       event.preventDefault();
     }, listen);
-    void run();
+    begin();
   });
 }

@@ -177,7 +177,7 @@ def test_a_mark_can_be_set_moved_by_frames_and_taken_back(
     entries.first.get_by_role("button").click()
     expect(entries).to_have_count(1)
     one.page.get_by_role("button", name="Mark another moment").click()
-    one.page.keyboard.press("Escape")
+    one.page.keyboard.press("Escape")  # at once: it may come before the play begins, or after
     one.page.locator(".stage").wait_for(state="detached")
     one.submit()
     one.wait_for_heading("Practice is over")
@@ -186,7 +186,8 @@ def test_a_mark_can_be_set_moved_by_frames_and_taken_back(
     # 18 frames of 16.7 ms; six frames back from the end or the pause before it.
     assert 0 <= mark["value"] <= 217
     [shown] = study_server.rows("SELECT num_plays, num_mark_plays FROM presentation")
-    assert shown == {"num_plays": 1, "num_mark_plays": 3}
+    assert shown["num_plays"] == 1
+    assert shown["num_mark_plays"] in (2, 3)
 
 
 @all_kinds
