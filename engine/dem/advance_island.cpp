@@ -12,10 +12,8 @@
 namespace verisim::dem {
 namespace {
 
-// An approach faster than this many times the fall through the depth of rest is an impact: it
-// rebounds by more than the depth that the scene allows.
-constexpr double kImpact = 3;
-constexpr double kCalm = 1.5;  // an island in impact rests again when all is slower than this
+// An island in impact rests again when all is slower than this share of the least impact.
+constexpr double kCalm = 0.5;
 // Pairs with less restitution rebound out of sight: their impacts are steps like any other.
 constexpr double kPlastic = 0.05;
 // Explicit steps between two looks at whether an island has come to rest.
@@ -124,6 +122,7 @@ void advance_at_rest(Island& island, double end, double impact_at,
     // Equal steps to the end.
     step = remaining / std::ceil(remaining / step - 1e-9);
     while (!rest_step(island, step, settings, step < 2 * kShortestRestStep * frame)) step *= 0.5;
+    if (!island.books.is_finite) return;
   }
   island.time = end;
 }
@@ -131,15 +130,15 @@ void advance_at_rest(Island& island, double end, double impact_at,
 }  // namespace
 
 void advance_island(Island& island, double end, const ContactSettings& settings) {
-  const double scale = least_approach_speed(settings);
+  const double impact = least_impact_speed(settings);
   const double frame = end - island.time;
   while (end - island.time > kOnTime * frame) {
-    const bool may_rest = settings.rests_implicitly && scale > 0 && has_contact(island) &&
-                          !has_impact(island, end - island.time, kImpact * scale, settings);
+    const bool may_rest = settings.rests_implicitly && impact > 0 && has_contact(island) &&
+                          !has_impact(island, end - island.time, impact, settings);
     if (may_rest) {
-      advance_at_rest(island, end, kImpact * scale, settings);
+      advance_at_rest(island, end, impact, settings);
     } else {
-      advance_explicitly(island, end, kCalm * scale, settings);
+      advance_explicitly(island, end, kCalm * impact, settings);
     }
     if (!island.books.is_finite) return;
   }

@@ -14,6 +14,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 struct BlockMatrix {
   struct Edge {
     int row, column;
+    bool operator==(const Edge&) const = default;
   };
   std::vector<Matrix6> diagonal;  // [N]
   std::vector<Edge> edges;        // [E] unique

@@ -37,7 +37,7 @@ struct ContactPair {
   std::vector<ContactPoint> points;
   double stiffness = 0;       // N/m of a point of weight 1
   double approach_speed = 0;  // m/s, at the onset of this contact: the scale of its damping
-  double mean_load = 0;       // N, of the heaviest point, smoothed over kLoadMemory
+  double mean_load = 0;       // N, of the heaviest point, smoothed over some milliseconds
   double gap = 0;             // m, lower bound of the distance at the last look; < 0: overlap
   Eigen::Vector3d gap_normal = Eigen::Vector3d::UnitZ();
   double look_margin = 0;           // m, farthest gap that the last look took in

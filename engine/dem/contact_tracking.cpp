@@ -14,6 +14,8 @@ using Eigen::Vector3d;
 
 // A point that got a new name but moved less than this share of the smaller body is the same.
 constexpr double kSamePlace = 0.01;
+// An approach faster than this many times the fall through the depth of rest is an impact.
+constexpr double kImpact = 3;
 
 ContactPoint point_from(const FoundPoint& found) {
   ContactPoint point;
@@ -147,8 +149,7 @@ double look_at(LocalPair& local, const std::vector<BodyState>& bodies, double ma
   for (const FoundPoint& point : found.points) pair.points.push_back(point_from(point));
   if (old.empty()) return 0;
   const double same_place = kSamePlace * std::min(a.size, b.size > 0 ? b.size : a.size);
-  const double lost = keep_springs(old, same_place, same_axis, pair);
-  return lost;
+  return keep_springs(old, same_place, same_axis, pair);
 }
 
 void look_and_book(LocalPair& local, Island& island, double margin) {
@@ -162,12 +163,34 @@ double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodie
   return -point.normal.dot(a.velocity_at(point.place) - b.velocity_at(point.place));
 }
 
+void record_event(Island& island, const ContactPair& pair, ContactChange change, double speed) {
+  ContactEvent event;
+  event.change = change;
+  event.time = island.time;
+  event.body_a = pair.a;
+  event.body_b = pair.b;
+  event.speed = speed;
+  island.books.events.push_back(event);
+}
+
+Vector3d turned_into_plane(Vector3d stretch, const Vector3d& normal) {
+  const double length = stretch.norm();
+  stretch -= normal.dot(stretch) * normal;
+  const double left = stretch.norm();
+  if (left > 0) stretch *= length / left;
+  return stretch;
+}
+
 double inverse_pair_mass(const BodyState& a, const BodyState& b) {
   return a.inverse_mass + b.inverse_mass;
 }
 
 double least_approach_speed(const ContactSettings& settings) {
   return std::sqrt(settings.gravity.norm() * settings.rest_depth);
+}
+
+double least_impact_speed(const ContactSettings& settings) {
+  return kImpact * least_approach_speed(settings);
 }
 
 double stiffen(ContactPair& pair, double stiffness) {
@@ -205,15 +228,6 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
     fastest = std::max(fastest, speed);
     deepest = std::max(deepest, point.depth);
   }
-  const auto record = [&](ContactChange change, double speed) {
-    ContactEvent event;
-    event.change = change;
-    event.time = island.time;
-    event.body_a = pair.a;
-    event.body_b = pair.b;
-    event.speed = speed;
-    island.books.events.push_back(event);
-  };
   if (!pair.is_touching && is_near && (fastest >= 0 || deepest > 0)) {
     fastest = std::max(fastest, 0.0);
     const double mass = 1 / inverse_pair_mass(a, b);
@@ -231,7 +245,7 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
     for (ContactPoint& point : pair.points) {
       point.offset = point.depth > tolerance ? point.depth : 0;
     }
-    record(ContactChange::kBegin, fastest);
+    record_event(island, pair, ContactChange::kBegin, fastest);
   } else if (pair.is_touching && deepest <= 0 && (!is_near || fastest < 0)) {
     pair.is_touching = false;
     for (ContactPoint& point : pair.points) {
@@ -240,7 +254,7 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
       point.load = 0;
       point.is_touching = false;
     }
-    record(ContactChange::kEnd, parting);
+    record_event(island, pair, ContactChange::kEnd, parting);
   }
 }
 

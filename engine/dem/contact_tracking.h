@@ -23,6 +23,12 @@ double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodie
 void update_contact(LocalPair& local, Island& island, const ContactSettings& settings,
                     double tolerance);
 
+/// A contact of the pair begins or ends now, at `speed` (m/s; see ContactEvent).
+void record_event(Island& island, const ContactPair& pair, ContactChange change, double speed);
+
+/// A stored stretch (m) turned into the plane across `normal`, its length kept.
+Eigen::Vector3d turned_into_plane(Eigen::Vector3d stretch, const Eigen::Vector3d& normal);
+
 /// Inverse of the mass (1/kg) that two bodies present to each other, rotation left aside.
 double inverse_pair_mass(const BodyState& a, const BodyState& b);
 
@@ -33,5 +39,8 @@ double stiffen(ContactPair& pair, double stiffness);
 /// Slowest approach speed (m/s) that damping is scaled with: the speed of free fall through the
 /// depth of rest.
 double least_approach_speed(const ContactSettings& settings);
+
+/// Slowest approach (m/s) that counts as an impact: it rebounds by more than the depth of rest.
+double least_impact_speed(const ContactSettings& settings);
 
 }  // namespace verisim::dem

@@ -156,10 +156,7 @@ void kick(Island& island, double duration, const Vector3d& gravity) {
     books.angular_impulse += duration * (body.position.cross(outside) + body.outside_torque);
     books.impulse_size += duration * body.force.norm();
     books.angular_impulse_size += duration * (body.position.cross(body.force) + body.torque).norm();
-    if (!body.velocity.allFinite() || !body.angular_momentum.allFinite()) {
-      if (books.is_finite) books.culprit = body.index;
-      books.is_finite = false;
-    }
+    check_finite(body, books);
   }
 }
 
@@ -192,10 +189,7 @@ void apply(LocalPair& local, ContactPoint& point, int num_points, double drift,
 
   const double shear = settings.tangential_ratio * k;
   const Vector3d sliding = velocity + closing * n;
-  Vector3d stretch = b.rotation * point.stretch_b;
-  const double length = stretch.norm();
-  stretch -= n.dot(stretch) * n;
-  if (length > 0 && stretch.norm() > 0) stretch *= length / stretch.norm();
+  const Vector3d stretch = turned_into_plane(b.rotation * point.stretch_b, n);
   const Vector3d trial = stretch + drift * sliding;
   const double viscous = damping * settings.tangential_ratio;
   Vector3d friction = -shear * trial - viscous * sliding;

@@ -36,12 +36,19 @@ struct IslandBooks {
   double energy_rise = 0;  // J, largest of one implicit step that nothing put in
   std::vector<ContactEvent> events;
   bool is_finite = true;
-  int culprit = -1;  // body of the first load that is not finite
+  int culprit = -1;  // body of the first state that is not finite
 };
 
 inline void count_step(IslandBooks& books, double duration) {
   ++books.num_steps;
   if (books.least_step <= 0 || duration < books.least_step) books.least_step = duration;
+}
+
+/// Notes a body whose state is no longer a number.
+inline void check_finite(const BodyState& body, IslandBooks& books) {
+  if (body.velocity.allFinite() && body.angular_momentum.allFinite()) return;
+  if (books.is_finite) books.culprit = body.index;
+  books.is_finite = false;
 }
 
 struct LocalPair {

@@ -7,6 +7,14 @@
 
 namespace verisim::dem {
 
+/// Where the work of method dem went.
+struct WorkSplit {
+  long num_steps = 0;           // of all islands together, explicit and implicit ones
+  long num_implicit_steps = 0;  // of them
+  long num_refused_steps = 0;   // implicit steps taken back, not counted above
+  long num_newton_steps = 0;    // in all implicit steps
+};
+
 /// Summary of a run so far. Energies are those of the free bodies; potential energy is zero at the
 /// world's origin. Names follow `verisim simulate --json`.
 struct Metrics {
@@ -27,6 +35,7 @@ struct Metrics {
   double energy_rise_j = 0;                  // largest of one implicit step that nothing put in
   long num_particles = 0;                    // of method seed
   long num_samples = 0;                      // surface points of method dem
+  WorkSplit work;                            // of method dem
   long max_contacts = 0;                     // particle contacts at one time
 };
 

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+
+#include "dem/contact_tracking.h"
 
 namespace verisim::dem {
 namespace {
@@ -129,18 +130,14 @@ void RestProblem::set_up(Island& island, double duration, const ContactSettings&
       const double pressed =
           local.pair.stiffness * point.weight * std::max(0.0, point.depth - point.offset);
       row.load = std::min(point.load, pressed);
-      Vector3d stretch = b.rotation * point.stretch_b;
-      const double length = stretch.norm();
-      stretch -= point.normal.dot(stretch) * point.normal;
-      if (length > 0 && stretch.norm() > 0) stretch *= length / stretch.norm();
-      row.stretch = stretch;
+      row.stretch = turned_into_plane(b.rotation * point.stretch_b, point.normal);
       rows_.push_back(row);
       edge_of_row_.push_back(edge);
     }
   }
   matrix_.diagonal.resize(n);
   matrix_.off.resize(matrix_.edges.size());
-  is_analysed_ = false;
+  is_analysed_ = is_analysed_ && analysed_size_ == n && analysed_edges_ == matrix_.edges;
   v_ = start_;
   refresh_rows(settings);
 }
@@ -236,6 +233,8 @@ void RestProblem::assemble(const std::vector<Vector6>& v, double sliding_share) 
     const double num_edges = static_cast<double>(matrix_.edges.size() + matrix_.diagonal.size());
     is_direct_ = cholesky_.num_block_products() < kMostFill * num_edges;
     is_analysed_ = true;
+    analysed_size_ = matrix_.diagonal.size();
+    analysed_edges_ = matrix_.edges;
   }
   if (is_direct_) cholesky_.factorise(matrix_);
 }
@@ -319,7 +318,7 @@ double RestProblem::scaled_residual(const std::vector<Vector6>& gradient) const 
   return std::sqrt(sum / static_cast<double>(gradient.size()));
 }
 
-RestProblem::Outcome RestProblem::solve(const ContactSettings&) {
+RestProblem::Outcome RestProblem::solve() {
   Outcome outcome;
   std::vector<Vector6> gradient, direction;
   const bool is_small = island_->num_free < kManyBodies;

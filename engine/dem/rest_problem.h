@@ -43,7 +43,7 @@ class RestProblem {
   void set_up(Island& island, double duration, const ContactSettings& settings);
   /// Takes over stiffness and offset of all points after they were changed.
   void refresh_rows(const ContactSettings& settings);
-  Outcome solve(const ContactSettings& settings);
+  Outcome solve();
 
   std::vector<RestRow>& rows() { return rows_; }
   /// Velocity and spin of the free bodies after the step, exactly by the loads of all rows.
@@ -71,6 +71,8 @@ class RestProblem {
   BlockCholesky cholesky_;
   BlockGradients gradients_;
   bool is_direct_ = true, is_analysed_ = false;
+  std::vector<BlockMatrix::Edge> analysed_edges_;
+  std::size_t analysed_size_ = 0;
 };
 
 }  // namespace verisim::dem

@@ -21,8 +21,6 @@ constexpr double kUnseenRise = 1e-3;
 constexpr double kMostStiffening = 100, kMostStiffeningInImpact = 4;
 constexpr int kPile = 100;  // free bodies
 constexpr int kMostSolves = 5;
-// Faster approaches (times the fall through the depth of rest) load springs by their impact.
-constexpr double kImpact = 3;
 constexpr double kImpactDepth = 20;  // depths of rest that an impact may press them in
 // Load of a spring, of what presses it in by the depth of rest, beyond which it is stiffened and
 // below which it may soften. Wide apart, so that a load that swings a little moves neither.
@@ -124,7 +122,7 @@ bool stiffen_overloaded(RestProblem& problem, Island& island, const ContactSetti
       const Vector3d u = problem.relative_velocity(rows[r], problem.start_velocities());
       if (rows[r].load > 0) fastest = std::max(fastest, -rows[r].normal.dot(u));
     }
-    const bool is_impact = fastest > kImpact * least_approach_speed(settings);
+    const bool is_impact = fastest > least_impact_speed(settings);
     const double most = is_impact ? kMostStiffeningInImpact : kMostStiffening;
     const double depth = is_impact ? kImpactDepth * settings.rest_depth : settings.rest_depth;
     first = r;
@@ -158,7 +156,7 @@ void move(RestProblem& problem, Island& island, double h, const ContactSettings&
     if (row.load <= 0) continue;
     impact = std::max(impact, -row.normal.dot(problem.relative_velocity(row, start)));
   }
-  const bool is_smooth = impact <= kImpact * least_approach_speed(settings);
+  const bool is_smooth = impact <= least_impact_speed(settings);
   if (is_smooth && largest > kUnseenShift * settings.rest_depth) {
     problem.project(shift);
   } else {
@@ -227,6 +225,7 @@ void move(RestProblem& problem, Island& island, double h, const ContactSettings&
     body.position += shift[i].head<3>();
     body.orientation = (rotation_of(shift[i].tail<3>()) * body.orientation).normalized();
     refresh(body);
+    check_finite(body, books);
   }
   island.time += h;
   for (BodyState& body : island.bodies) {
@@ -242,15 +241,6 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
     const BodyState& b = island.bodies[at(row.local->b)];
     row.point->stretch_b = b.rotation.transpose() * row.stretch;
   }
-  const auto record = [&](const ContactPair& pair, ContactChange change, double speed) {
-    ContactEvent event;
-    event.change = change;
-    event.time = island.time;
-    event.body_a = pair.a;
-    event.body_b = pair.b;
-    event.speed = speed;
-    island.books.events.push_back(event);
-  };
   long num_contacts = 0;
   double surprise = 0;
   for (LocalPair& local : island.pairs) {
@@ -262,7 +252,9 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
       is_loaded = true;
       fastest = std::max(fastest, std::abs(closing_speed(local, island.bodies, point)));
     }
-    if (is_loaded && !pair.is_touching) record(pair, ContactChange::kBegin, fastest);
+    if (is_loaded && !pair.is_touching) {
+      record_event(island, pair, ContactChange::kBegin, fastest);
+    }
     pair.is_touching = pair.is_touching || is_loaded;
     pair.is_compressing = false;
     pair.approach_speed = least_approach_speed(settings);
@@ -289,7 +281,7 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
     pair.mean_load = heaviest;
     if (pair.is_touching && deepest <= 0 && !is_loaded) {
       pair.is_touching = false;
-      record(pair, ContactChange::kEnd, 0);
+      record_event(island, pair, ContactChange::kEnd, 0);
     }
   }
   island.books.max_contacts = std::max(island.books.max_contacts, num_contacts);
@@ -307,7 +299,11 @@ struct Before {
 }  // namespace
 
 bool rest_step(Island& island, double duration, const ContactSettings& settings, bool must_take) {
-  const Before before{island.bodies, island.pairs, island.books, island.time};
+  thread_local Before before;  // keeps its memory from step to step
+  before.bodies = island.bodies;
+  before.pairs = island.pairs;
+  before.books = island.books;
+  before.time = island.time;
   for (LocalPair& local : island.pairs) {
     look_and_book(local, island, reach_of(local, island, duration, settings));
   }
@@ -320,13 +316,13 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
       kinetic_and_potential(island, settings.gravity) + springs_start.total();
   const double outside_start = island.books.outside_work;
 
-  RestProblem problem;
+  thread_local RestProblem problem;  // knows the pattern of its matrix again
   problem.set_up(island, duration, settings);
   RestProblem::Outcome outcome;
   int newton_steps = 0;
   const int most_solves = island.num_free > kPile ? 2 : kMostSolves;
   for (int i = 0; i < most_solves; ++i) {
-    outcome = problem.solve(settings);
+    outcome = problem.solve();
     newton_steps += outcome.newton_steps;
     if (i + 1 == most_solves || !stiffen_overloaded(problem, island, settings)) break;
     problem.refresh_rows(settings);

@@ -147,7 +147,7 @@ RunResult run(World& world, const RunOptions& options) {
     result.failed = result.failures.front();
     result.last = std::move(keeper).take(world);
   }
-  result.steps = world.surfaces ? world.surfaces->num_steps() : done;
+  result.steps = world.surfaces ? world.surfaces->work().num_steps : done;
   result.dt =
       world.surfaces && world.surfaces->least_step() > 0 ? world.surfaces->least_step() : dt;
   return result;

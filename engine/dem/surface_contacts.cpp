@@ -206,8 +206,7 @@ PairLaw SurfaceContacts::law_of(int a, int b) const {
 }
 
 /// Sets pairs_ to all pairs whose bounds overlap, known ones with their points.
-void SurfaceContacts::add_pairs(double duration) {
-  (void)duration;
+void SurfaceContacts::add_pairs() {
   const int count = static_cast<int>(bodies_.size());
   std::vector<std::uint64_t> keys;
   const auto add = [&](int i, int j) {
@@ -268,7 +267,6 @@ void SurfaceContacts::add_pairs(double duration) {
     pair.a = static_cast<int>(key >> 32);
     pair.b = static_cast<int>(key & 0xffffffffu);
     pair.law = law_of(pair.a, pair.b);
-    pair.gap = 0;  // not looked at yet
     pairs.push_back(std::move(pair));
   }
   pairs_ = std::move(pairs);
@@ -276,7 +274,7 @@ void SurfaceContacts::add_pairs(double duration) {
 
 /// Widens the bounds of bodies that left theirs; true if that makes a pair that was not looked at.
 bool SurfaceContacts::add_missed_pairs(const std::vector<BodyState>& after) {
-  std::vector<int> escaped;
+  bool has_any_left = false;
   for (const BodyState& body : after) {
     if (!body.is_free()) continue;
     Bounds& bounds = bounds_[at(body.index)];
@@ -288,11 +286,11 @@ bool SurfaceContacts::add_missed_pairs(const std::vector<BodyState>& after) {
     const double margin = 0.1 * (high - low).norm();
     bounds.low = bounds.low.cwiseMin(low - Vector3d::Constant(margin));
     bounds.high = bounds.high.cwiseMax(high + Vector3d::Constant(margin));
-    escaped.push_back(body.index);
+    has_any_left = true;
   }
-  if (escaped.empty()) return false;
+  if (!has_any_left) return false;
   const std::size_t before = pairs_.size();
-  add_pairs(0);
+  add_pairs();
   return pairs_.size() > before;
 }
 
@@ -350,7 +348,7 @@ StepReport SurfaceContacts::step(World& world) {
   load_bodies(world);
   bounds_.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) bounds_[i] = bounds_over(bodies_[i], duration);
-  add_pairs(duration);
+  add_pairs();
 
   std::vector<Island> islands;
   std::vector<BodyState> after;
@@ -396,10 +394,10 @@ StepReport SurfaceContacts::step(World& world) {
     balance.max_overlap = std::max(balance.max_overlap, books.max_overlap);
     elastic_energy_ += books.elastic_energy;
     energy_rise_ = std::max(energy_rise_, books.energy_rise);
-    num_steps_ += books.num_steps;
-    work_.rest_steps += books.num_rest_steps;
-    work_.newton_steps += books.num_newton_steps;
-    work_.refused_steps += books.num_refused_steps;
+    work_.num_steps += books.num_steps;
+    work_.num_implicit_steps += books.num_rest_steps;
+    work_.num_refused_steps += books.num_refused_steps;
+    work_.num_newton_steps += books.num_newton_steps;
     sums.num_contacts += books.max_contacts;
     sums.max_overlap = std::max(sums.max_overlap, books.max_overlap);
     if (books.num_steps > 0 && (least_step_ <= 0 || books.least_step < least_step_)) {

@@ -14,14 +14,6 @@ namespace verisim::dem {
 struct Chosen {
   double max_penetration = 0;  // m, allowed
   double rest_depth = 0;       // m, of a spring under its resting load
-  double impact_depth = 0;     // m, of a spring stopping an impact
-};
-
-/// Where the work of a run went.
-struct WorkSplit {
-  long rest_steps = 0;     // implicit steps kept
-  long refused_steps = 0;  // implicit steps taken back
-  long newton_steps = 0;   // in all of them
 };
 
 class SurfaceContacts {
@@ -38,10 +30,16 @@ class SurfaceContacts {
   Chosen chosen() const { return chosen_; }
   double elastic_energy() const { return elastic_energy_; }
   double least_step() const { return least_step_; }
-  long num_steps() const { return num_steps_; }
   const WorkSplit& work() const { return work_; }
   double largest_energy_rise() const { return energy_rise_; }
   long num_samples() const { return num_samples_; }
+
+  // Between two steps (surface_look.cpp).
+  /// The pairs that overlap now, with their points; changes nothing.
+  std::vector<ContactPair> look(const World& world) const;
+  /// The stiffest spring of the last step and how deep its pairs should go.
+  HardestContact hardest_contact() const;
+  const CollisionShape& shape(int body) const { return shapes_[static_cast<std::size_t>(body)]; }
 
  private:
   struct Bounds {
@@ -51,7 +49,7 @@ class SurfaceContacts {
   void store_bodies(World& world) const;
   Bounds bounds_over(const BodyState& body, double duration) const;
   PairLaw law_of(int a, int b) const;
-  void add_pairs(double duration);
+  void add_pairs();
   bool add_missed_pairs(const std::vector<BodyState>& after);
   std::vector<Island> make_islands(double time) const;
 
@@ -66,16 +64,8 @@ class SurfaceContacts {
   std::vector<Bounds> bounds_;           // [B + P], over the frame
   std::vector<double> factor_of_law_;    // [M * M] calibrated damping of each pair of materials
   double elastic_energy_ = 0, least_step_ = 0, energy_rise_ = 0;
-  long num_steps_ = 0, num_samples_ = 0;
+  long num_samples_ = 0;
   WorkSplit work_;
-
- public:
-  // Between two steps (surface_look.cpp).
-  /// The pairs that overlap now, with their points; changes nothing.
-  std::vector<ContactPair> look(const World& world) const;
-  /// The stiffest spring of the last step and how deep its pairs should go.
-  HardestContact hardest_contact() const;
-  const CollisionShape& shape(int body) const { return shapes_[static_cast<std::size_t>(body)]; }
 };
 
 StepReport step_surfaces(World& world);

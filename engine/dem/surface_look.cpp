@@ -20,7 +20,7 @@ std::vector<ContactPair> SurfaceContacts::look(const World& world) const {
   now.load_bodies(world);
   now.bounds_.clear();
   for (const BodyState& body : now.bodies_) now.bounds_.push_back(now.bounds_over(body, 0));
-  now.add_pairs(0);
+  now.add_pairs();
   for (ContactPair& pair : now.pairs_) {
     LocalPair local;
     local.a = pair.a;

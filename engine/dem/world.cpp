@@ -164,6 +164,7 @@ Metrics metrics_of(const World& world) {
   if (world.surfaces) {
     metrics.energy_rise_j = world.surfaces->largest_energy_rise();
     metrics.num_samples = world.surfaces->num_samples();
+    metrics.work = world.surfaces->work();
   }
   metrics.max_contacts = balance.max_contacts;
   return metrics;

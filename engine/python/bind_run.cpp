@@ -94,6 +94,10 @@ nb::dict metrics_dict(const dem::Metrics& metrics) {
   d["energy_rise_j"] = metrics.energy_rise_j;
   if (metrics.num_samples > 0) {
     d["num_samples"] = metrics.num_samples;
+    d["num_steps"] = metrics.work.num_steps;
+    d["num_implicit_steps"] = metrics.work.num_implicit_steps;
+    d["num_refused_steps"] = metrics.work.num_refused_steps;
+    d["num_newton_steps"] = metrics.work.num_newton_steps;
   } else {
     d["num_particles"] = metrics.num_particles;
   }
