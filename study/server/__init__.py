@@ -5,12 +5,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from verisim.study.server.browser_raters import simulate_in_browser
     from verisim.study.server.erasure import erase_participant
     from verisim.study.server.run_server import serve
     from verisim.study.server.scripted_raters import simulate
     from verisim.study.server.study_file import check_study
 
-__all__ = ["check_study", "erase_participant", "serve", "simulate"]
+__all__ = ["check_study", "erase_participant", "serve", "simulate", "simulate_in_browser"]
 
 # Loaded on first use: checking a study file should not wait for a web server's libraries.
 _HOMES = {
@@ -18,6 +19,7 @@ _HOMES = {
     "erase_participant": "erasure",
     "serve": "run_server",
     "simulate": "scripted_raters",
+    "simulate_in_browser": "browser_raters",
 }
 
 

@@ -39,7 +39,7 @@ def find_browser() -> str:
     for name in BROWSERS:
         if path := shutil.which(name):
             return path
-    raise refuse("kiosk", "no Chromium is installed", "apt-get install chromium")
+    raise refuse("browser", "no Chromium is installed", "apt-get install chromium")
 
 
 def kiosk_command(browser: str, address: str, profile: Path) -> list[str]:

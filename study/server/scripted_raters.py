@@ -16,13 +16,11 @@ from typing import Any
 from verisim.study.problems import refuse
 from verisim.study.server.database import Place
 from verisim.study.server.http_client import HttpClient
-from verisim.study.server.observer import Observer, Traits, manipulation, visible_error
-from verisim.study.server.questions import Answer, Percept, Question
-from verisim.study.server.questions.ask import Condition
+from verisim.study.server.judge import Answers, Judge, look_at_clips
+from verisim.study.server.observer import Traits
+from verisim.study.server.questions import Question
 from verisim.study.server.run_server import serving_in_background
-from verisim.study.server.samplers import find_tracks
-from verisim.study.server.stimulus_set import load_stimulus_set
-from verisim.study.server.study_file import Study, load_study
+from verisim.study.server.study_file import load_study
 
 AT_ONCE = 4  # raters in parallel
 PX_PER_MM = 3.78  # of the scripted screen: 96 CSS px per inch
@@ -43,27 +41,24 @@ ENVIRONMENT = {
 }
 
 OnProgress = Callable[[int, int], None]
-Seen = tuple[float, tuple[str, float] | None]  # visible error, manipulation achieved
 
 
 @dataclass
-class Clips:
-    """What raters see of the clips, by sha256; each clip is fetched once."""
+class Fetched:
+    """The clips that have been fetched by any rater: each is fetched and checked once."""
 
-    seen: dict[str, Seen]
-    fetched: set[str] = field(default_factory=set)
+    clips: set[str] = field(default_factory=set)
     lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def watch(self, client: HttpClient, clip: dict[str, Any]) -> Seen:
-        """Fetches a clip as the page would, checks its bytes, and returns what is seen."""
+    def fetch(self, client: HttpClient, clip: dict[str, Any]) -> None:
+        """Fetches a clip as the page would and checks its bytes."""
         with self.lock:
-            is_new = clip["sha256"] not in self.fetched
-            self.fetched.add(clip["sha256"])
+            is_new = clip["sha256"] not in self.clips
+            self.clips.add(clip["sha256"])
         if is_new:
             seen = hashlib.sha256(client.get_bytes(clip["url"])).hexdigest()
             if seen != clip["sha256"]:
                 raise refuse(clip["url"], f"the server sent other bytes (sha256 {seen[:12]}…)")
-        return self.seen[clip["sha256"]]
 
 
 def simulate(
@@ -86,25 +81,15 @@ def simulate(
     if participants < 1:
         raise refuse("participants", f"{participants} is not allowed", "give a number from 1")
     loaded = load_study(study)
-    sampler = find_tracks(loaded.order.sampler)
-    tracks = sampler.tracks if sampler else ()
-    unknown = set(traits.thresholds if traits else ()) - {track.name for track in tracks}
-    if unknown:
-        known = ", ".join(track.name for track in tracks) or "none"
-        raise refuse("threshold", f"no track {sorted(unknown)[0]!r}", f"tracks: {known}")
-    clips = Clips(
-        {
-            s.sha256: (visible_error(s), manipulation(s, tracks))
-            for s in load_stimulus_set(set_dir).stimuli
-        }
-    )
+    seen = look_at_clips(loaded, set_dir, traits)
+    fetched = Fetched()
     key = secrets.token_urlsafe(32)
     done = 0
     lock = threading.Lock()
     with serving_in_background(study, set_dir, db, port, simulate_key=key) as address:
         raters = [
-            Rater(address, random.Random(f"{seed}:{i}"), clips, loaded, traits)
-            for i in range(participants)
+            Rater(address, rng, Judge(loaded, seen, rng, traits), fetched)
+            for rng in (random.Random(f"{seed}:{i}") for i in range(participants))
         ]
         for rater in raters:  # one after another, so that rater i always gets the same order
             rater.enrol(key)
@@ -124,19 +109,11 @@ def simulate(
 class Rater:
     """One scripted participant, from the first request to thanks."""
 
-    def __init__(
-        self,
-        address: str,
-        rng: random.Random,
-        clips: Clips,
-        study: Study,
-        traits: Traits | None,
-    ) -> None:
+    def __init__(self, address: str, rng: random.Random, judge: Judge, fetched: Fetched) -> None:
         self._address = address
         self._rng = rng
-        self._clips = clips
-        self._study = study
-        self._observer = Observer.draw(rng, traits)
+        self._judge = judge
+        self._fetched = fetched
         self._clock_ms = 0.0
         self._token = ""
 
@@ -168,7 +145,7 @@ class Rater:
             "presentation_id": None,
             "kind": "observer",
             "t_ms": 0,
-            "detail": self._observer.describe(),
+            "detail": self._judge.describe(),
         }
         client.post("/api/events", events=[event])
         page = client.get("/api/study")
@@ -200,13 +177,15 @@ class Rater:
         }
 
     def _answer(self, client: HttpClient, trial: dict[str, Any]) -> dict[str, Any]:
-        seen = [self._clips.watch(client, clip) for clip in trial["clips"]]
+        for clip in trial["clips"]:
+            self._fetched.fetch(client, clip)
         length_ms = 1000 * max(clip["duration_s"] for clip in trial["clips"])
         onset_ms = self._clock_ms + 800
-        self._clock_ms = onset_ms + length_ms * len(seen) + 4000
-        questions = [self._study.question(key) for key in trial["question_keys"]]
-        conditions = {key: Condition(**fields) for key, fields in trial["conditions"].items()}
-        responses = self._respond(questions, conditions, trial["reversed"], seen, length_ms)
+        self._clock_ms = onset_ms + length_ms * len(trial["clips"]) + 4000
+        responses: list[dict[str, Any]] = []
+        for question, answers in self._judge.judge_trial(trial):
+            is_turned = question.key in trial["reversed"]
+            responses += self._rows(question, answers, "video_end", is_turned=is_turned)
         played = {
             "num_plays": 1,
             "onset_ms": onset_ms,
@@ -243,38 +222,16 @@ class Rater:
             "responses": responses,
         }
 
-    def _respond(
-        self,
-        questions: list[Question],
-        conditions: dict[str, Condition],
-        turned: list[str],
-        seen: list[Seen],
-        length_ms: float,
-    ) -> list[dict[str, Any]]:
-        given: dict[tuple[str, str], Answer] = {}
-        responses: list[dict[str, Any]] = []
-        for question in questions:
-            if question.key in conditions and not conditions[question.key].holds(given):
-                continue
-            percept = self._observer.perceive(seen, length_ms, self._rng)
-            answers = question.simulate(percept, self._rng)
-            given |= {(question.key, item): answer for item, answer in answers.items()}
-            is_turned = question.key in turned
-            responses += self._rows(question, answers, "video_end", is_turned=is_turned)
-        return responses
-
     def _answer_end(self) -> list[dict[str, Any]]:
         responses: list[dict[str, Any]] = []
-        for question in self._study.end_questions:
-            percept = Percept((self._rng.random(),), (self._rng.random() < 0.2,), 0.0)
-            answers = question.simulate(percept, self._rng)
+        for question, answers in self._judge.judge_session():
             responses += self._rows(question, answers, "form_shown")
         return responses
 
     def _rows(
         self,
         question: Question,
-        answers: dict[str, Answer],
+        answers: Answers,
         origin: str,
         *,
         is_turned: bool = False,

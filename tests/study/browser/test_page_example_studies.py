@@ -6,9 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from browser_runs import Run, in_order, run_raters
 from mini_clips import write_example_set
-from playwright.sync_api import Browser
-from study_site import SIMULATED, StudyServer, Visit
 
 ROOT = Path(__file__).resolve().parents[3]
 # Where each study is shortened; its full length runs in tests/stress.
@@ -45,29 +44,22 @@ def shortened(name: str) -> str:
 
 
 @pytest.mark.parametrize("name", sorted(SHORTER))
-def test_a_browser_completes_each_example_study(
-    browser: Browser, tmp_path: Path, page_build: Path, name: str
+def test_a_rater_in_a_browser_completes_each_example_study(
+    tmp_path: Path, page_build: Path, name: str
 ) -> None:
     del page_build
-    set_file = ROOT / "stimuli" / "sets" / f"{SETS.get(name, 'demo')}.yaml"
-    clips = write_example_set(tmp_path / "clips", set_file)
-    server = StudyServer(tmp_path, clips, shortened(name))
-    server.start()
-    try:
-        context = browser.new_context(viewport={"width": 1280, "height": 720})
-        visit = Visit(context, server)
-        one = visit.open(SIMULATED)
-        num_forms = one.go_through()
-        context.close()
-        trials = server.rows("SELECT answered_utc, layout FROM trial")
-        assert all(trial["answered_utc"] for trial in trials)
-        num_ends = 1 if server.rows("SELECT * FROM session_answer") else 0
-        assert num_forms == len(trials) + num_ends
-        shown = server.rows("SELECT completed FROM presentation")
-        assert shown == [{"completed": 1}] * len(trials)
-        assert [row["state"] for row in server.rows("SELECT state FROM participant")] == [
-            "completed"
-        ]
-        assert visit.complaints == []
-    finally:
-        server.kill()
+    study = tmp_path / f"{name}.yaml"
+    study.write_text(shortened(name))
+    clips = write_example_set(
+        tmp_path / "clips", ROOT / "stimuli" / "sets" / f"{SETS.get(name, 'demo')}.yaml"
+    )
+    run = Run(study, clips, tmp_path / "study.db")
+    run_raters(run, 1)
+    trials = run.rows("SELECT answered_utc FROM trial")
+    assert all(answered for (answered,) in trials)
+    num_ends = 1 if run.rows("SELECT * FROM session_answer") else 0
+    assert [visit.num_forms for visit in run.visits] == [len(trials) + num_ends]
+    assert run.rows("SELECT completed FROM presentation") == [(1,)] * len(trials)
+    assert run.rows("SELECT state, source FROM participant") == [("completed", "simulated")]
+    # What the page sent is what the raters judged, question by question.
+    assert run.stored() == in_order(run.judged)

@@ -118,6 +118,14 @@ def simulate(
         list[str] | None,
         typer.Option(help="TRACK=MAGNITUDE at which half of the clips are noticed; repeatable."),
     ] = None,
+    browser: Annotated[
+        bool,
+        typer.Option(
+            "--browser",
+            help="Let them sit at the real page in Chromium, each in real time. Ended early, the "
+            "same command goes on.",
+        ),
+    ] = False,
 ) -> None:
     """Let scripted raters answer through the real HTTP interface; marked source=simulated.
 
@@ -125,6 +133,7 @@ def simulate(
     manipulation, never a level's name or a clip's cost.
     """
     from verisim.study.server import simulate as simulate_study
+    from verisim.study.server import simulate_in_browser
     from verisim.study.server.database import read_place
     from verisim.study.server.observer import Traits, read_thresholds
 
@@ -138,16 +147,31 @@ def simulate(
         spread=spread,
         thresholds=read_thresholds(threshold or []),
     )
-    with progress_bar("raters", counts=True) as report:
-        simulate_study(
-            study_file,
-            set_dir,
-            read_place(place),
-            participants,
-            seed,
-            traits=traits,
-            on_progress=report,
-        )
+    where = read_place(place)
+    with progress_bar("forms" if browser else "raters", counts=True) as report:
+        if browser:
+            simulate_in_browser(
+                study_file,
+                set_dir,
+                where,
+                participants,
+                seed,
+                traits=traits,
+                on_progress=report,
+                on_visit=lambda visit: say(
+                    f"rater {visit.rater + 1}: {visit.num_forms} forms in {visit.took_s:.0f} s"
+                ),
+            )
+        else:
+            simulate_study(
+                study_file,
+                set_dir,
+                where,
+                participants,
+                seed,
+                traits=traits,
+                on_progress=report,
+            )
     say(f"answers: {read_place(place)}")
 
 
