@@ -26,6 +26,7 @@ PYTHON_ARROWS = {
     "study": {"study"},
     "analysis": {"analysis"},
     "stimuli": {"stimuli", "engine", "_engine", "clip", "pose_log"},
+    "engine/bench": {"bench", "engine", "stimuli", "analysis"},
 }
 
 
@@ -67,6 +68,13 @@ def test_python_folders_import_only_what_the_arrows_allow(folder: str) -> None:
                 if part == "__version__":
                     continue
                 assert part in PYTHON_ARROWS[folder], f"{file} imports {module}"
+
+
+def test_bench_takes_from_analysis_only_how_figures_look() -> None:
+    for file in (ROOT / "engine/bench").rglob("*.py"):
+        for module in _imports(file):
+            if module.startswith("verisim.analysis"):
+                assert module == "verisim.analysis.style", f"{file} imports {module}"
 
 
 SOURCES = sorted(

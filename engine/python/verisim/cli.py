@@ -8,7 +8,7 @@ import sys
 import typer
 
 from verisim import __version__
-from verisim.commands import analysis, demo, physics, pictures, shape, stimuli, study, view
+from verisim.commands import analysis, bench, demo, physics, pictures, shape, stimuli, study, view
 from verisim.commands.messages import fail, is_user_error
 
 app = typer.Typer(
@@ -46,6 +46,7 @@ app.add_typer(stimuli.app, name="stimuli")
 app.add_typer(study.app, name="study")
 study.register_export(app)
 analysis.register(app)
+bench.register(app)
 
 
 def main() -> None:

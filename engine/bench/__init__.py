@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""`verisim bench`: what methods cost and where they fail."""
