@@ -42,7 +42,8 @@ def choose_cohort(export: Export) -> Cohort:
     """Participants who completed and answered at least one test clip, with their flags."""
     people, ratings = export.tables["participants"], export.tables["ratings"]
     completed = set(people.loc[people["state"] == "completed", "participant_id"])
-    answered = ratings[(ratings["trial_kind"] == "test") & ratings["value"].notna()]
+    is_answer = ratings["value"].notna() | (ratings["value_text"] != "")
+    answered = ratings[(ratings["trial_kind"] == "test") & is_answer]
     analysed = frozenset(completed & set(answered["participant_id"]))
     rules = export.tables["exclusions"]
     flagged = frozenset(rules.loc[rules["flagged"] == 1, "participant_id"])

@@ -139,8 +139,8 @@ def _axis_words(axes: Axes, question: Question, low: float, high: float) -> None
     margin = 0.04 * (high - low)
     axes.set_xlim(low - margin, high + margin)
     if high - low <= 10:
-        axes.set_xticks(np.arange(math.ceil(low), high + 0.5))
-    if question.kind == "bipolar":
+        axes.set_xticks(_ticks(low, high))
+    if question.kind in ("bipolar", "choice"):  # just right; guessing
         axes.axvline((low + high) / 2, color="#9aa5b1", lw=1.2, zorder=1)
     left, right = question.ends
     for x, words, side in ((0, left, "left"), (1, right, "right")):
@@ -281,10 +281,15 @@ def _rating_axis(axes: Axes, question: Question, low: float, high: float) -> Non
     margin = 0.06 * (high - low)
     axes.set_ylim(low - margin, high + margin)
     if high - low <= 10:
-        axes.set_yticks(np.arange(math.ceil(low), high + 0.5))
-    if question.kind == "bipolar":
+        axes.set_yticks(_ticks(low, high))
+    if question.kind in ("bipolar", "choice"):
         axes.axhline((low + high) / 2, color="#9aa5b1", lw=1.2, zorder=1)
-    axes.set_ylabel("mean rating")
+    axes.set_ylabel("reference chosen" if question.kind == "choice" else "mean rating")
+
+
+def _ticks(low: float, high: float) -> np.ndarray:
+    """Each point of a short scale; quarters of a share."""
+    return np.linspace(0, 1, 5) if (low, high) == (0, 1) else np.arange(math.ceil(low), high + 0.5)
 
 
 def _scene_style(index: int) -> tuple[str, str]:

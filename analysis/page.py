@@ -27,10 +27,13 @@ TITLES = {
     "flow": "Who took part",
     "scores": "Ratings per clip",
     "agreement": "Do people agree?",
+    "pairs": "Which of two?",
     "cost": "Rating against cost",
     "error": "Rating against physical error",
     "comments": "Comments",
 }
+
+LAYOUTS = {"all": "both ways", "sequential": "one after the other", "side_by_side": "side by side"}
 
 
 def render(found: Findings, log: dict[str, object]) -> str:
@@ -42,7 +45,12 @@ def render(found: Findings, log: dict[str, object]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"clip": clip_label, "number": number, "interval": interval}
+    environment.filters |= {
+        "clip": clip_label,
+        "number": number,
+        "interval": interval,
+        "layout": lambda name: LAYOUTS.get(name, name),
+    }
     return environment.get_template(
         "report.html.j2"
     ).render(
@@ -60,6 +68,7 @@ def render(found: Findings, log: dict[str, object]) -> str:
         records={name: table.to_dict("records") for name, table in found.tables.items()},
         score_grid=_score_grid(found.tables.get("scores")),
         difference_grid=_score_grid(found.tables.get("differences")),
+        pair_grid=_pair_grid(found.tables.get("pairs")),
         moved=_largest_move(found.tables.get("scores")),
         comment_groups=_comment_groups(found),
         max_comments=MAX_COMMENTS,
@@ -103,6 +112,16 @@ def _score_grid(scores: pd.DataFrame | None) -> dict[str, dict[str, Any]]:
     rows = scores[scores["participants"] == "all"].sort_values(["stimulus", "question"])
     for row in rows.to_dict("records"):
         grid.setdefault(str(row["stimulus"]), {})[str(row["question"])] = row
+    return grid
+
+
+def _pair_grid(pairs: pd.DataFrame | None) -> dict[tuple[str, str], dict[str, Any]]:
+    """(question, clip) -> layout -> its row, of all participants."""
+    grid: dict[tuple[str, str], dict[str, Any]] = {}
+    if pairs is None:
+        return grid
+    for row in pairs[pairs["participants"] == "all"].to_dict("records"):
+        grid.setdefault((str(row["question"]), str(row["stimulus"])), {})[str(row["layout"])] = row
     return grid
 
 

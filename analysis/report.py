@@ -25,6 +25,7 @@ from verisim.analysis.exclude import (
 )
 from verisim.analysis.figures import Drawing, draw_scores, draw_tradeoff
 from verisim.analysis.load import Export, load_export
+from verisim.analysis.pairs import ALL_LAYOUTS, CHOICE, PairFindings, analyse_pairs, as_share
 from verisim.analysis.problems import AnalysisError
 from verisim.analysis.scores import (
     SCORE_COLUMNS,
@@ -43,7 +44,7 @@ from verisim.analysis.tradeoff import (
     why_no_cost,
 )
 
-SECTIONS = ("flow", "scores", "agreement", "cost", "error", "comments")
+SECTIONS = ("flow", "scores", "agreement", "pairs", "cost", "error", "comments")
 LOG_FILE = "run_log.json"
 
 
@@ -97,6 +98,8 @@ def analyse(
     sections = _choose_sections(only)
     _refuse_to_overwrite(out, force)
     export, named = choose_source(load_export(export_dir), source)
+    if only is None:
+        sections = tuple(name for name in sections if _has_answers_for(name, export))
     findings = find(export, named, sections)
     out.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=f".{out.name}.", dir=out.parent) as scratch:
@@ -130,7 +133,11 @@ def find(export: Export, source: str, sections: tuple[str, ...]) -> Findings:
         _find_scores(found, all_scores, cells)
     if "agreement" in sections:
         _find_agreement(found, cells)
-    points = join_engine(export, all_scores[all_scores["participants"] == "all"])
+    pairs = analyse_pairs(export, cohort.sets())
+    if "pairs" in sections:
+        _find_pairs(found, pairs)
+    charted = pd.concat([all_scores, pairs.found[pairs.found["layout"] == ALL_LAYOUTS]])
+    points = join_engine(export, charted[charted["participants"] == "all"])
     if "cost" in sections:
         found.refused_cost = why_no_cost(export)
         if found.refused_cost:
@@ -188,6 +195,23 @@ def _find_agreement(found: Findings, cells: dict[str, pd.DataFrame]) -> None:
     found.tables["agreement"] = pd.DataFrame(rows)
 
 
+def _find_pairs(found: Findings, pairs: PairFindings) -> None:
+    found.tables["pairs"] = pairs.found
+    found.tables["pair_bias"] = pairs.bias
+    found.tables["pair_scale"] = pairs.scale
+    shares = pairs.found[pairs.found["layout"] == ALL_LAYOUTS]
+    found.drawings["pairs"] = [
+        draw_scores(
+            as_share(question),
+            shares[shares["question"] == key],
+            pairs.cells[pairs.cells["question"] == key],
+            found.source,
+        )
+        for key, question in found.export.questions.items()
+        if (shares["question"] == key).any()
+    ]
+
+
 def _agreement_row(result: Agreement) -> dict[str, object]:
     row: dict[str, object] = {
         "question": result.question,
@@ -218,7 +242,7 @@ def _find_tradeoff(
             rows = points[points["question"] == key]
             if rows.empty or not (rows[measure.column].notna() | rows["failed"]).any():
                 continue
-            drawings.append(draw_tradeoff(question, measure, rows, found.source))
+            drawings.append(draw_tradeoff(as_share(question), measure, rows, found.source))
             about: dict[str, object] = {"question": key, "measure": measure.column}
             correlations.append({**about, **rank_correlation(rows, measure.column)})
     found.drawings[name] = drawings
@@ -268,6 +292,14 @@ def _choose_sections(only: Iterable[str] | None) -> tuple[str, ...]:
             f"use some of {', '.join(SECTIONS)}",
         )
     return tuple(name for name in SECTIONS if name in asked)
+
+
+def _has_answers_for(section: str, export: Export) -> bool:
+    """Whether a section applies to the study: choices between two clips are not ratings of one."""
+    has_pairs = any(question.kind == CHOICE for question in export.questions.values())
+    if section == "pairs":
+        return has_pairs
+    return section not in ("scores", "agreement") or not has_pairs
 
 
 def _refuse_to_overwrite(out: Path, force: bool) -> None:

@@ -39,7 +39,7 @@ def test_the_report_is_one_small_file_without_links_outside(analysed: Path) -> N
 
 def test_every_section_and_table_is_there(analysed: Path) -> None:
     page = (analysed / "report.html").read_text()
-    for section in SECTIONS:
+    for section in set(SECTIONS) - {"pairs"}:  # pairs: in studies that show two clips at a time
         assert f'<section id="{section}">' in page
     assert {path.stem for path in (analysed / "tables").iterdir()} == {
         "flow", "flags", "scores", "differences", "agreement", "rating_and_cost",
