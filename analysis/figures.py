@@ -288,8 +288,8 @@ def _rating_axis(axes: Axes, question: Question, low: float, high: float) -> Non
 
 
 def _ticks(low: float, high: float) -> np.ndarray:
-    """Each point of a short scale; quarters of a share."""
-    return np.linspace(0, 1, 5) if (low, high) == (0, 1) else np.arange(math.ceil(low), high + 0.5)
+    """Each point of a short scale; ends and middle of a share."""
+    return np.linspace(0, 1, 3) if (low, high) == (0, 1) else np.arange(math.ceil(low), high + 0.5)
 
 
 def _scene_style(index: int) -> tuple[str, str]:

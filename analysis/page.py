@@ -90,9 +90,13 @@ def number(value: float, digits: int = 2) -> str:
 
 
 def interval(low: float, high: float, digits: int = 2) -> str:
-    """An interval for people; empty where there is none."""
-    if math.isnan(low) or math.isnan(high):
+    """An interval for people; NaN: no bound on that side; empty where there is none."""
+    if math.isnan(low) and math.isnan(high):
         return ""
+    if math.isnan(high):
+        return f"above {number(low, digits)}"
+    if math.isnan(low):
+        return f"below {number(high, digits)}"
     return f"{number(low, digits)} to {number(high, digits)}"
 
 

@@ -134,7 +134,7 @@ def _found_rows(people: str, answers: pd.DataFrame) -> Iterator[list[object]]:
         counts = [int((rows["right"] == value).sum()) for value in (1, 0, 0.5)]
         # Half an answer more on either side (Hautus 1995), so that all or none is no infinity.
         smooth = (share * n + 0.5) / (n + 1)
-        ends = [d_prime(end) if 0 < end < 1 else math.nan for end in (low, high)]
+        ends = [d_prime(end) if 1e-9 < end < 1 - 1e-9 else math.nan for end in (low, high)]
         about = [people, question, clip, rows["reference"].iloc[0], layout]
         yield [*about, n, len(rows), *counts, share, low, high, d_prime(smooth), *ends]
 
