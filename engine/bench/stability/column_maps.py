@@ -287,7 +287,7 @@ def _tower(method: str) -> StabilityMap:
         method,
         "Tower: height and depth of its lowest contact",
         "boxes",
-        "depth of the lowest contact, static overlap / edge",
+        "lowest contact, static overlap / edge",
         Grid(heights, overlaps),
         Grid((2, 4, 8), logs(1e-4, 1e-1, 7)) if is_seed else Grid((2, 5, 10), logs(2e-3, 1e-1, 6)),
         pose,

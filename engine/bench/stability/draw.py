@@ -56,7 +56,7 @@ def draw_map(of: StabilityMap, cells: Sequence[Cell], log: RunLog, folder: Path)
     with style.look():
         num_rows = math.ceil((2 + len(lines)) / 2) + math.ceil(_num_codes(cells, log) / 5)
         bottom = 0.52 + 0.185 * num_rows
-        left = 0.95 if of.y_names else 0.8
+        left = 1.1 if of.y_names or min(ys) < 0.01 else 0.85  # room for long names of rows
         wide = style.WIDTH_IN - left - 0.12
         tall = max(CELL_IN * len(ys), LEAST_IN)
         height = tall + bottom + 0.12
@@ -204,7 +204,7 @@ def _legend(figure: Figure, cells: Sequence[Cell], log: RunLog, handles: Sequenc
     figure.legend(
         handles=[border, wrong, *handles], loc="lower left", ncols=2, fontsize=8,
         bbox_to_anchor=(0.02, low + 0.185 * rows / figure.get_figheight()), borderaxespad=0,
-        columnspacing=1.4, handletextpad=0.6, labelspacing=0.35,
+        columnspacing=1.4, handlelength=3.2, handletextpad=0.6, labelspacing=0.35,
     )  # fmt: skip
     figure.legend(
         handles=patches, loc="lower left", ncols=5, fontsize=8, bbox_to_anchor=(0.02, low),
