@@ -21,6 +21,12 @@ from verisim.study.server.showings import find_trial, store_showing
 from verisim.study.server.steps import finish, out_of_order
 from verisim.study.server.submissions import Caller, Post, accept, answer_of_earlier
 
+# Built once: every answer needs them.
+_ANSWERED = (
+    update(tables.trial)
+    .where(tables.trial.c.trial_id == bindparam("trial"))
+    .values(answered_utc=bindparam("now"))
+)
 _OPEN = select(func.min(tables.trial.c.trial_index), func.count()).where(
     tables.trial.c.participant_id == bindparam("who"), tables.trial.c.answered_utc.is_(None)
 )
@@ -46,11 +52,7 @@ def store_trial(
     now = utc_now()
     store_showing(connection, opened, caller, trial, body.presentation, now)
     store_responses(connection, opened, trial.trial_id, body, now)
-    connection.execute(
-        update(tables.trial)
-        .where(tables.trial.c.trial_id == trial.trial_id)
-        .values(answered_utc=now)
-    )
+    connection.execute(_ANSWERED, {"trial": trial.trial_id, "now": now})
     if num_open > 1:
         choose_next_clip(connection, opened, caller.participant_id)
     elif not opened.study.end_questions:

@@ -31,6 +31,7 @@ Ms = Annotated[float, Field(ge=0, le=MAX_MS)]
 Count = Annotated[int, Field(ge=0, le=MAX_INTEGER)]
 Pixels = Annotated[int, Field(ge=0, le=100_000)]
 Length = Annotated[float, Field(ge=0, le=100_000)]
+PixelRatio = Annotated[float, Field(ge=0.01, le=100)]  # browsers zoom out to a quarter
 Scalar = (
     bool
     | Annotated[int, Field(ge=-MAX_INTEGER, le=MAX_INTEGER)]
@@ -59,7 +60,7 @@ class Environment(Part):
     screen_h: Pixels
     viewport_w: Pixels
     viewport_h: Pixels
-    device_pixel_ratio: Annotated[float, Field(gt=0, le=100)]
+    device_pixel_ratio: PixelRatio
     refresh_hz: Annotated[float, Field(gt=0, le=2000)] | None
     language: Label
     tz_offset_min: Annotated[int, Field(ge=-1440, le=1440)]
@@ -104,37 +105,32 @@ class ScreenBody(Body):
     calibration_skipped: bool = False
 
 
-class ShownClip(Part):
-    """One clip of a showing."""
+class Played(Part):
+    """What the screen did: of a whole showing, or of one of its clips."""
 
+    num_plays: Annotated[int, Field(ge=0, le=1000)]
+    onset_ms: Ms | None
+    first_frame_ms: Ms | None
+    ended_ms: Ms | None
+    frames_total: Count | None
+    frames_dropped: Count | None
+    stall_count: Count
+    stall_ms: Ms
+
+
+class ShownClip(Played):
     position: Literal[0, 1]
     sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
-    num_plays: Annotated[int, Field(ge=0, le=1000)]
-    onset_ms: Ms | None
-    first_frame_ms: Ms | None
-    ended_ms: Ms | None
-    frames_total: Count | None
-    frames_dropped: Count | None
-    stall_count: Count
-    stall_ms: Ms
 
 
-class Presentation(Part):
+class Presentation(Played):
     presentation_id: Id
-    num_plays: Annotated[int, Field(ge=0, le=1000)]
-    onset_ms: Ms | None
-    first_frame_ms: Ms | None
-    ended_ms: Ms | None
-    frames_total: Count | None
-    frames_dropped: Count | None
-    stall_count: Count
-    stall_ms: Ms
     hidden_ms: Ms
     fullscreen: bool
     displayed_w: Length
     displayed_h: Length
     completed: bool
-    device_pixel_ratio: Annotated[float, Field(gt=0, le=100)] | None = None
+    device_pixel_ratio: PixelRatio | None = None
     scale: Annotated[int, Field(ge=0, le=100)] | None = None
     num_mark_plays: Annotated[int, Field(ge=0, le=1000)] = 0
     blur_count: Count = 0

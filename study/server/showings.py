@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import Connection, Row, delete, insert, select, update
+from sqlalchemy import Connection, Row, bindparam, delete, insert, select, update
 
 from verisim.study.server import tables
 from verisim.study.server.api_error import ApiError
@@ -14,15 +14,21 @@ from verisim.study.server.bodies import Presentation
 from verisim.study.server.open_study import OpenStudy
 from verisim.study.server.submissions import Caller
 
+# Built once: every answer needs them.
+_TRIAL = select(tables.trial).where(
+    tables.trial.c.trial_id == bindparam("trial"),
+    tables.trial.c.participant_id == bindparam("who"),
+)
+_SHOWING = select(tables.presentation).where(
+    tables.presentation.c.presentation_id == bindparam("shown")
+)
+_ADD_SHOWING = insert(tables.presentation)
+_ADD_CLIPS = insert(tables.presentation_clip)
+
 
 def find_trial(connection: Connection, caller: Caller, trial_id: int) -> Row[Any]:
     """Returns the caller's trial; one that is missing looks like one of somebody else."""
-    trial = connection.execute(
-        select(tables.trial).where(
-            tables.trial.c.trial_id == trial_id,
-            tables.trial.c.participant_id == caller.participant_id,
-        )
-    ).first()
+    trial = connection.execute(_TRIAL, {"trial": trial_id, "who": caller.participant_id}).first()
     if trial is None:
         raise ApiError(403, "not_yours", "this trial is not yours", "ask GET /api/next")
     return trial
@@ -77,15 +83,15 @@ def store_showing(
         "fullscreen_exits": shown.fullscreen_exits,
         "start_skew_ms": shown.start_skew_ms,
     }
-    same = tables.presentation.c.presentation_id == shown.presentation_id
-    known = connection.execute(select(tables.presentation).where(same)).first()
+    known = connection.execute(_SHOWING, {"shown": shown.presentation_id}).first()
     if known is None:
-        connection.execute(insert(tables.presentation).values(values))
+        connection.execute(_ADD_SHOWING, values)
     elif (known.session_id, known.trial_id) != (caller.session_id, trial.trial_id):
         raise ApiError(403, "not_yours", "this presentation_id is in use", "use a new one")
     elif known.completed:
         return
     else:
+        same = tables.presentation.c.presentation_id == shown.presentation_id
         connection.execute(update(tables.presentation).where(same).values(values))
     if known is not None:
         own = tables.presentation_clip.c.presentation_id == shown.presentation_id
@@ -97,4 +103,4 @@ def store_showing(
             | {"presentation_id": shown.presentation_id, "stimulus_id": by_sha[clip.sha256]}
             for clip in shown.clips
         ]
-        connection.execute(insert(tables.presentation_clip), rows)
+        connection.execute(_ADD_CLIPS, rows)

@@ -36,7 +36,7 @@ class Post:
     raw: bytes
 
 
-# Built once: every request asks this.
+# Built once: every request needs them, and building takes longer than running.
 _CALLER = (
     select(
         tables.session.c.session_id,
@@ -55,6 +55,20 @@ _CALLER = (
 )
 
 
+_EARLIER = select(
+    tables.submission.c.session_id,
+    tables.submission.c.kind,
+    tables.submission.c.outcome,
+    tables.submission.c.body_sha256,
+).where(tables.submission.c.submission_id == bindparam("sent"))
+_SEEN_NOW = (
+    update(tables.session)
+    .where(tables.session.c.session_id == bindparam("own"))
+    .values(last_seen_utc=bindparam("now"))
+)
+_LOG = insert(tables.submission)
+
+
 def find_caller(connection: Connection, token_sha256: str) -> Caller:
     """Returns whose token this is. Raises ApiError 401 for an unknown one."""
     row = connection.execute(_CALLER, {"token": token_sha256}).first()
@@ -65,12 +79,7 @@ def find_caller(connection: Connection, token_sha256: str) -> Caller:
 
 def answer_of_earlier(connection: Connection, caller: Caller, post: Post) -> Reply | None:
     """Returns the reply to a submission that has been accepted before, None for a new one."""
-    log = tables.submission.c
-    row = connection.execute(
-        select(log.session_id, log.kind, log.outcome, log.body_sha256).where(
-            log.submission_id == post.submission_id
-        )
-    ).first()
+    row = connection.execute(_EARLIER, {"sent": post.submission_id}).first()
     if row is None:
         return None
     if row.session_id != caller.session_id:
@@ -91,11 +100,7 @@ def accept(connection: Connection, caller: Caller, post: Post, outcome: str = "s
     record_submission(
         connection, caller.session_id, post.submission_id, post.kind, post.raw, outcome, now
     )
-    connection.execute(
-        update(tables.session)
-        .where(tables.session.c.session_id == caller.session_id)
-        .values(last_seen_utc=now)
-    )
+    connection.execute(_SEEN_NOW, {"own": caller.session_id, "now": now})
     return STORED if outcome == "stored" else already_answered()
 
 
@@ -108,17 +113,16 @@ def record_submission(
     outcome: str,
     now: str,
 ) -> None:
-    connection.execute(
-        insert(tables.submission).values(
-            submission_id=submission_id,
-            session_id=session_id,
-            kind=kind,
-            outcome=outcome,
-            body=raw.decode(),
-            body_sha256=sha256(raw),
-            received_utc=now,
-        )
-    )
+    row = {
+        "submission_id": submission_id,
+        "session_id": session_id,
+        "kind": kind,
+        "outcome": outcome,
+        "body": raw.decode(),
+        "body_sha256": sha256(raw),
+        "received_utc": now,
+    }
+    connection.execute(_LOG, row)
 
 
 def already_answered() -> Reply:
