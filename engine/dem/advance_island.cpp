@@ -19,9 +19,8 @@ constexpr double kPlastic = 0.05;
 // Explicit steps between two looks at whether an island has come to rest.
 constexpr int kStepsBetweenLooks = 16;
 // Gap error of one implicit step, in depths of rest, that turning bodies may make.
-constexpr double kBend = 1;
-// An implicit step is not cut below this share of the frame: there it is kept whatever it does, and
-// a rise of energy goes to the books.
+constexpr double kBend = 0.25;
+// An implicit step is not cut below this share of the frame: explicit ones take its place there.
 constexpr double kShortestRestStep = 1.0 / 256;
 constexpr double kOnTime = 1e-12;  // of a frame
 
@@ -121,7 +120,12 @@ void advance_at_rest(Island& island, double end, double impact_at,
     double step = std::min(remaining, straight_step(island, settings));
     // Equal steps to the end.
     step = remaining / std::ceil(remaining / step - 1e-9);
-    while (!rest_step(island, step, settings, step < 2 * kShortestRestStep * frame)) step *= 0.5;
+    bool is_done = rest_step(island, step, settings);
+    while (!is_done && step >= 2 * kShortestRestStep * frame) {
+      step *= 0.5;
+      is_done = rest_step(island, step, settings);
+    }
+    if (!is_done) advance_explicitly(island, island.time + step, 0, settings);
     if (!island.books.is_finite) return;
   }
   island.time = end;

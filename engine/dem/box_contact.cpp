@@ -22,6 +22,8 @@ constexpr double kLeastEdgeAngle = 1e-3;
 // show less overlap: the edges' one point could not carry a tilt, the clipped face's corners can,
 // and their depths differ by less than this cosine.
 constexpr double kParallelFaces = 0.985;
+// Faces closer to parallel than this (1 - cosine, a thousandth of a radian) share one normal.
+constexpr double kOneNormal = 5e-7;
 
 struct Box {
   const BodyState& body;
@@ -148,13 +150,54 @@ std::uint64_t face_point_id(int axis, int face, int in, int out) {
          (static_cast<std::uint64_t>(in) << 8) | static_cast<std::uint64_t>(out);
 }
 
+/// Outward normals (of the reference box) where a clipped face and the reference face meet. A
+/// corner of the one in the face of the other has that face's normal, two crossing edges have their
+/// common normal. So the depth of a point changes by what its normal says, and contacts store
+/// energy; with the reference's normal for all of them, sliding on a tilted face would make or eat
+/// it.
+class CornerNormals {
+ public:
+  CornerNormals(const Box& reference, const Box& other, int axis, int other_face,
+                const Vector3d& outward)
+      : reference_(reference), other_(other), axis_(axis), outward_(outward) {
+    other_axis_ = other_face / 2;
+    facing_ = (other_face % 2 == 0 ? 1.0 : -1.0) * other.axis(other_axis_);
+    is_one_normal_ = facing_.dot(outward) > 1 - kOneNormal;
+  }
+
+  Vector3d at(const Corner& corner) const {
+    const bool in_is_other = corner.in < 4, out_is_other = corner.out < 4;
+    if (is_one_normal_ || (in_is_other && out_is_other)) return outward_;
+    if (!in_is_other && !out_is_other) return nearly(facing_);
+    const int edge = in_is_other ? corner.in : corner.out;
+    const int side = (in_is_other ? corner.out : corner.in) - 4;
+    const Vector3d rim = reference_.axis((axis_ + 2 - side / 2) % 3);
+    Vector3d common = rim.cross(other_.axis((other_axis_ + 1 + edge % 2) % 3));
+    const double size = common.norm();
+    if (size < kLeastEdgeAngle) return outward_;
+    common /= common.dot(outward_) < 0 ? -size : size;
+    return nearly(common);
+  }
+
+ private:
+  /// Edges that are all but parallel have any common normal: none of use.
+  Vector3d nearly(const Vector3d& normal) const {
+    return normal.dot(outward_) > kParallelFaces ? normal : outward_;
+  }
+
+  const Box &reference_, &other_;
+  int axis_, other_axis_;
+  Vector3d outward_, facing_;
+  bool is_one_normal_;
+};
+
 /// Corners of the face of `other`, clipped to the prism over the face of `reference` that looks
-/// along `outward`. `push` is the normal that pushes a away from b. `is_sure`: the boxes overlap
-/// least along this face, so something must hold even where no corner lies over it.
+/// along `outward`. `is_sure`: the boxes overlap least along this face, so something must hold even
+/// where no corner lies over it.
 void add_face_points(const Box& reference, const Box& other, const Separation& widest,
-                     const Vector3d& outward, const Vector3d& push, double margin, bool is_sure,
-                     Found& found) {
+                     const Vector3d& outward, double margin, bool is_sure, Found& found) {
   const int k = widest.axis % 3;
+  const bool is_of_a = widest.axis < 3;
   int face = 0;
   Polygon polygon = opposed_face(other, outward, face);
   for (int side = 0; side < 4 && polygon.count > 0; ++side) {
@@ -162,20 +205,22 @@ void add_face_points(const Box& reference, const Box& other, const Separation& w
     const Vector3d direction = (side % 2 == 0 ? 1.0 : -1.0) * reference.axis(i);
     polygon = clip(polygon, direction, reference.body.position, reference.half[i], 4 + side);
   }
-  const auto add = [&](const Vector3d& p, std::uint64_t id) {
+  const auto add = [&](const Vector3d& p, const Vector3d& normal, std::uint64_t id) {
     const double depth = reference.half[k] - outward.dot(p - reference.body.position);
     if (depth <= -margin) return;
-    found.points.push_back({id, p + 0.5 * depth * outward, push, depth, 1});
+    const Vector3d push = is_of_a ? Vector3d(-normal) : normal;
+    found.points.push_back({id, p + 0.5 * depth * outward, push, depth * normal.dot(outward), 1});
   };
+  const CornerNormals normals(reference, other, k, face, outward);
   for (int c = 0; c < polygon.count; ++c) {
     const Corner& corner = polygon.corners[static_cast<std::size_t>(c)];
-    add(corner.place, face_point_id(widest.axis, face, corner.in, corner.out));
+    add(corner.place, normals.at(corner), face_point_id(widest.axis, face, corner.in, corner.out));
   }
   if (!found.points.empty() || widest.gap >= 0 || !is_sure) return;
   // Overlapping, yet no corner over the face: the corner that reaches farthest in holds.
   const Vector3d n_b = other.body.rotation.transpose() * outward;
   const Vector3d corner_b = -n_b.cwiseSign().cwiseProduct(other.half);
-  add(other.body.position + other.body.rotation * corner_b,
+  add(other.body.position + other.body.rotation * corner_b, outward,
       face_point_id(widest.axis, face, 254, 254));
 }
 
@@ -227,7 +272,7 @@ void find_box_points(const BodyState& a, const BodyState& b, double margin, int 
     const bool is_of_a = face.axis < 3;
     const Box &reference = is_of_a ? box_a : box_b, &other = is_of_a ? box_b : box_a;
     const Vector3d outward = is_of_a ? face.normal : Vector3d(-face.normal);
-    add_face_points(reference, other, face, outward, -face.normal, margin, is_sure, found);
+    add_face_points(reference, other, face, outward, margin, is_sure, found);
     found.axis = face.axis;
   };
   if (any.axis < 6) {

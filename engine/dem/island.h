@@ -33,7 +33,8 @@ struct IslandBooks {
   double least_step = 0;  // s
   long num_steps = 0, num_rest_steps = 0, max_contacts = 0;
   long num_newton_steps = 0, num_refused_steps = 0;  // of implicit steps
-  double energy_rise = 0;  // J, largest of one implicit step that nothing put in
+  double implicit_work = 0;  // J, part of damping_work: what implicit steps took out of springs
+  double energy_rise = 0;    // J, largest of one implicit step that nothing put in
   std::vector<ContactEvent> events;
   bool is_finite = true;
   int culprit = -1;  // body of the first state that is not finite

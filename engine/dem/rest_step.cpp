@@ -136,7 +136,8 @@ bool stiffen_overloaded(RestProblem& problem, Island& island, const ContactSetti
 }
 
 /// Moves the bodies by the solution; the books take what springs, friction and the step took.
-void move(RestProblem& problem, Island& island, double h, const ContactSettings& settings) {
+/// Returns the energy (J) of the normal springs that it aims at.
+double move(RestProblem& problem, Island& island, double h, const ContactSettings& settings) {
   const std::vector<Vector6>& start = problem.start_velocities();
   const std::vector<Vector6>& end = problem.velocities();
   // Displacement by the mean of both velocities is second order; by the end's alone it is what the
@@ -164,6 +165,7 @@ void move(RestProblem& problem, Island& island, double h, const ContactSettings&
   }
 
   IslandBooks& books = island.books;
+  double aimed_at = 0;
   std::vector<Vector6> impulse(end.size(), Vector6::Zero());
   for (RestRow& row : problem.rows()) {
     const Vector3d u_start = problem.relative_velocity(row, start);
@@ -172,11 +174,10 @@ void move(RestProblem& problem, Island& island, double h, const ContactSettings&
     const Vector3d& n = row.normal;
     const Vector3d shifted = problem.relative_velocity(row, shift) - row.given;
     const double after = row.compression - n.dot(h * u_end + shifted);
-    const double stored =
-        0.5 * row.stiffness *
-        (std::pow(std::max(0.0, after), 2) - std::pow(std::max(0.0, row.compression), 2));
-    const double damped = -h * row.load * n.dot(u_mean) - stored;
-    books.damping_work += damped;
+    const double stored = 0.5 * row.stiffness * std::pow(std::max(0.0, after), 2);
+    const double was_stored = 0.5 * row.stiffness * std::pow(std::max(0.0, row.compression), 2);
+    aimed_at += stored;
+    books.damping_work -= h * row.load * n.dot(u_mean) + stored - was_stored;
     Vector3d stretch = row.stretch + h * (u_end - n.dot(u_end) * n);
     const double limit =
         std::min(row.bound, row.friction * row.stiffness * std::max(0.0, after)) / row.shear;
@@ -223,18 +224,22 @@ void move(RestProblem& problem, Island& island, double h, const ContactSettings&
     refresh(body);
     drift_body(body, h);
     body.position += shift[i].head<3>();
+    const double spinning = 0.5 * body.angular_momentum.dot(body.spin);
     body.orientation = (rotation_of(shift[i].tail<3>()) * body.orientation).normalized();
     refresh(body);
+    // The shift turns the body's axes under its angular momentum.
+    books.damping_work += spinning - 0.5 * body.angular_momentum.dot(body.spin);
     check_finite(body, books);
   }
   island.time += h;
   for (BodyState& body : island.bodies) {
     if (body.path != nullptr) follow_path(body, island.time);
   }
+  return aimed_at;
 }
 
-/// Stretches turn with body b; contacts begin and end. Returns how much deeper (m) than the step
-/// aimed at any point lies: surfaces met where none was seen, or turned away from where they were.
+/// Stretches turn with body b; contacts begin and end. Returns how much deeper (m) a pair lies than
+/// it was and than the step aimed at: surfaces met where none was seen.
 double keep_contacts(RestProblem& problem, Island& island, const ContactSettings& settings,
                      double look_ahead) {
   for (RestRow& row : problem.rows()) {
@@ -245,9 +250,10 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
   double surprise = 0;
   for (LocalPair& local : island.pairs) {
     ContactPair& pair = local.pair;
-    double fastest = 0;
+    double fastest = 0, aim = 0;
     bool is_loaded = false;
     for (const ContactPoint& point : pair.points) {
+      aim = std::max({aim, point.expected, point.depth});
       if (point.load <= 0) continue;
       is_loaded = true;
       fastest = std::max(fastest, std::abs(closing_speed(local, island.bodies, point)));
@@ -264,7 +270,6 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
     for (ContactPoint& point : pair.points) {
       deepest = std::max(deepest, point.depth);
       heaviest = std::max(heaviest, point.load / point.weight);
-      surprise = std::max(surprise, point.depth - std::max(0.0, point.expected));
       if (point.depth <= point.offset) {
         point.stretch_b.setZero();
         point.load = 0;
@@ -279,6 +284,7 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
       island.books.max_overlap = std::max(island.books.max_overlap, point.depth);
     }
     pair.mean_load = heaviest;
+    surprise = std::max(surprise, deepest - aim);
     if (pair.is_touching && deepest <= 0 && !is_loaded) {
       pair.is_touching = false;
       record_event(island, pair, ContactChange::kEnd, 0);
@@ -298,7 +304,7 @@ struct Before {
 
 }  // namespace
 
-bool rest_step(Island& island, double duration, const ContactSettings& settings, bool must_take) {
+bool rest_step(Island& island, double duration, const ContactSettings& settings) {
   thread_local Before before;  // keeps its memory from step to step
   before.bodies = island.bodies;
   before.pairs = island.pairs;
@@ -315,6 +321,7 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
   const double energy_start =
       kinetic_and_potential(island, settings.gravity) + springs_start.total();
   const double outside_start = island.books.outside_work;
+  const double damping_start = island.books.damping_work;
 
   thread_local RestProblem problem;  // knows the pattern of its matrix again
   problem.set_up(island, duration, settings);
@@ -327,7 +334,8 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
     if (i + 1 == most_solves || !stiffen_overloaded(problem, island, settings)) break;
     problem.refresh_rows(settings);
   }
-  move(problem, island, duration, settings);
+  const double aimed_at = move(problem, island, duration, settings);
+  const double given_up = island.books.damping_work;
   const double surprise = keep_contacts(problem, island, settings, duration);
   count_step(island.books, duration);
   ++island.books.num_rest_steps;
@@ -336,6 +344,10 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
   island.books.elastic_energy = springs_end.total();
   island.books.shear_energy = springs_end.shear;
   island.books.friction_work += shear_start - springs_end.shear;
+  // Where surfaces turned away from each other within the step, springs hold less than it aimed at.
+  const double turned_away = aimed_at - springs_end.normal - (island.books.damping_work - given_up);
+  island.books.damping_work += std::max(0.0, turned_away);
+  island.books.implicit_work += island.books.damping_work - damping_start;
   island.has_forces = false;
   const double energy_end =
       kinetic_and_potential(island, settings.gravity) + island.books.elastic_energy;
@@ -346,7 +358,7 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings,
   }
   const bool is_good = outcome.converged && rise <= kUnseenRise * unseen &&
                        surprise <= kSurprise * settings.rest_depth;
-  if (!is_good && !must_take) {
+  if (!is_good) {
     island.bodies = before.bodies;
     island.pairs = before.pairs;
     island.books = before.books;

@@ -8,8 +8,7 @@
 namespace verisim::dem {
 
 /// Advances by `duration` (s) if the step is good: converged, without rise of energy. Otherwise
-/// the island is left as it was and the result is false; try a shorter step. With `must_take` the
-/// step is kept whatever it does, and a rise goes to the books.
-bool rest_step(Island& island, double duration, const ContactSettings& settings, bool must_take);
+/// the island is left as it was and the result is false; try a shorter step.
+bool rest_step(Island& island, double duration, const ContactSettings& settings);
 
 }  // namespace verisim::dem
