@@ -8,6 +8,7 @@
 #include "dem/explicit_step.h"
 #include "dem/island.h"
 #include "dem/rest_step.h"
+#include "dem/wind.h"
 
 namespace verisim::dem {
 namespace {
@@ -118,6 +119,7 @@ void advance_at_rest(Island& island, double end, double impact_at,
     const double remaining = end - island.time;
     if (!has_contact(island) || has_impact(island, remaining, impact_at, settings)) return;
     double step = std::min(remaining, straight_step(island, settings));
+    if (settings.wind) step = std::min(step, wind_step(island, *settings.wind));
     // Equal steps to the end.
     step = remaining / std::ceil(remaining / step - 1e-9);
     bool is_done = rest_step(island, step, settings);

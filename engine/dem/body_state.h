@@ -34,12 +34,16 @@ struct BodyState {
   Eigen::Vector3d outside_force = Eigen::Vector3d::Zero();
   Eigen::Vector3d outside_torque = Eigen::Vector3d::Zero();
 
+  // Bound on what wind and tethers add to the acceleration of any point of the surface (m/s^2).
+  double other_acceleration = 0;
+
   // Bounds of the centre's path since the start of the frame (m).
   Eigen::Vector3d path_low = Eigen::Vector3d::Zero(), path_high = Eigen::Vector3d::Zero();
 
   // Constants.
   const CollisionShape* shape = nullptr;
   const PrescribedMotion* path = nullptr;  // of a prescribed body
+  const std::vector<DragPatch>* drag_patches = nullptr;
   Motion motion = Motion::kFixed;
   int index = -1;                       // in the world; planes follow the bodies
   double mass = 0;                      // kg

@@ -13,6 +13,9 @@ struct PairLaw {
   double restitution = 0.5;
   double friction = 0.5;
   double rolling_friction = 0;  // m of lever / m of radius; spheres only
+  double radius = 0;            // m, of two spheres, or a sphere and what is flat: 1 / (1/a + 1/b)
+  double hertz = 0;             // N/m^1.5: force over compression^1.5 (Hertz)
+  double mindlin = 0;           // tangential over normal stiffness (Mindlin)
 };
 
 /// One spring between two surfaces. Its energy is stiffness/2 (depth - offset)^2 along the normal
@@ -26,6 +29,8 @@ struct ContactPoint {
   double offset = 0;  // m, depth at which the spring is at rest: 0 but for springs that were
                       // stiffened or born under load
   Eigen::Vector3d stretch_b = Eigen::Vector3d::Zero();  // m, tangential, frame of body b
+  Eigen::Vector3d rolled_b = Eigen::Vector3d::Zero();   // m, the same of the rolling spring
+  double shear = 0;                                     // N/m, of the tangential spring (Mindlin)
   double load = 0;                                      // N, last normal force
   double expected = 0;  // m, depth that the last implicit step aimed at
   bool is_touching = false;

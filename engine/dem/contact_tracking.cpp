@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "dem/normal_law.h"
 #include "dem/surface_contact.h"
 
 namespace verisim::dem {
@@ -33,6 +34,8 @@ void inherit(const ContactPoint& old, bool same_axis, ContactPoint& point) {
   const double compression = std::max(0.0, old.depth - old.offset);
   point.offset = same_axis ? old.offset : std::max(0.0, point.depth - compression);
   point.stretch_b = old.stretch_b;
+  point.rolled_b = old.rolled_b;
+  point.shear = old.shear;
   point.load = old.load;
   point.expected = old.expected;
   point.is_touching = old.is_touching;
@@ -240,6 +243,11 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
                          ? settings.stiffness
                          : std::max({mass * ratio * ratio, weight / settings.rest_depth,
                                      1e-9 * mass / (settings.rest_depth * settings.rest_depth)});
+    if (settings.contact_law == NormalLaw::kHertzMindlin) {
+      const double least = 1e-9 * mass / (settings.rest_depth * settings.rest_depth);
+      pair.stiffness =
+          std::max(least, hertz_step_stiffness(pair.law, mass, pair.approach_speed, deepest));
+    }
     pair.mean_load = 0;
     // What begins under the surface (a scene that starts so) is held there, not thrown out.
     for (ContactPoint& point : pair.points) {
@@ -251,6 +259,8 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
     for (ContactPoint& point : pair.points) {
       point.offset = 0;
       point.stretch_b.setZero();
+      point.rolled_b.setZero();
+      point.shear = 0;
       point.load = 0;
       point.is_touching = false;
     }

@@ -7,6 +7,8 @@
 #include <limits>
 #include <sstream>
 
+#include "dem/tether_definition.h"
+
 namespace verisim::dem {
 namespace {
 
@@ -85,6 +87,9 @@ void check_materials(Problems& problems, const WorldDefinition& definition) {
   const bool is_table = pairs.restitution.size() == size && pairs.friction.size() == size;
   problems.require(is_table, "world", "material pairs", pairs.restitution.size(),
                    "restitution and friction of every pair of materials");
+  problems.require(pairs.rolling_friction.empty() || pairs.rolling_friction.size() == size, "world",
+                   "material pairs", pairs.rolling_friction.size(),
+                   "rolling friction of every pair of materials, or of none");
   const auto check = [&](const std::string& where, int material) {
     problems.require(material >= 0 && material < pairs.count, where, "material", material,
                      "0 to " + std::to_string(pairs.count - 1));
@@ -93,6 +98,37 @@ void check_materials(Problems& problems, const WorldDefinition& definition) {
   for (const PlaneDefinition& plane : definition.planes) {
     check("plane " + plane.name, plane.material);
   }
+}
+
+/// Hertz's law holds for spheres of materials with a modulus.
+void check_hertz(Problems& problems, const WorldDefinition& definition) {
+  for (const BodyDefinition& body : definition.bodies) {
+    problems.require(std::holds_alternative<SphereShape>(body.shape), "body " + body.name, "shape",
+                     "no sphere", "spheres and planes with contact law hertz_mindlin");
+  }
+  const MaterialPairs& pairs = definition.material_pairs;
+  const auto count = static_cast<std::size_t>(pairs.count);
+  const bool has_all = pairs.young_modulus.size() == count && pairs.poisson_ratio.size() == count;
+  problems.require(has_all, "world", "elastic materials", pairs.young_modulus.size(),
+                   "Young's modulus and Poisson's ratio of every material");
+  for (std::size_t m = 0; has_all && m < count; ++m) {
+    const std::string where = "material " + std::to_string(m);
+    problems.require(is_above_zero(pairs.young_modulus[m]), where, "Young's modulus",
+                     pairs.young_modulus[m], "above 0 Pa");
+    const double poisson = pairs.poisson_ratio[m];
+    problems.require(poisson > -1 && poisson <= 0.5, where, "Poisson's ratio", poisson,
+                     "above -1, at most 0.5");
+  }
+}
+
+void check_wind(Problems& problems, const Wind& wind) {
+  const std::string where = "wind";
+  problems.require(wind.velocity.allFinite(), where, "velocity", "not finite", "finite numbers");
+  problems.require(is_above_zero(wind.density), where, "density", wind.density, "above 0 kg/m^3");
+  problems.require(is_at_least_zero(wind.viscosity), where, "viscosity", wind.viscosity,
+                   "0 Pa s or more");
+  problems.require(is_at_least_zero(wind.drag_coefficient), where, "drag coefficient",
+                   wind.drag_coefficient, "0 or more");
 }
 
 }  // namespace
@@ -119,6 +155,17 @@ std::vector<std::string> problems_of(const WorldDefinition& definition) {
   }
   for (const BodyDefinition& body : definition.bodies) check_body(problems, body);
   if (definition.method == Method::kDem) check_materials(problems, definition);
+  if (definition.method == Method::kDem && definition.dem.contact_law == NormalLaw::kHertzMindlin) {
+    check_hertz(problems, definition);
+  }
+  const bool has_modules = definition.wind.has_value() || !definition.tethers.empty();
+  problems.require(definition.method == Method::kDem || !has_modules, world, "method", "seed",
+                   "dem where there are wind or tethers");
+  if (definition.wind) check_wind(problems, *definition.wind);
+  for (std::size_t t = 0; t < definition.tethers.size(); ++t) {
+    const std::string fault = fault_of_tether(definition.tethers[t], definition.bodies);
+    if (!fault.empty()) problems.list.push_back("tether " + std::to_string(t) + ": " + fault);
+  }
   return problems.list;
 }
 

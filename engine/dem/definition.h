@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,13 @@ struct PrescribedMotion {
   std::vector<Pose> poses;    // one per time
 };
 
+/// A piece of a surface that moving air can press on.
+struct DragPatch {
+  Eigen::Vector3d position_b;  // m, from the centre of mass
+  Eigen::Vector3d normal_b;    // unit, outward
+  double area;                 // m^2
+};
+
 struct BodyDefinition {
   std::string name;
   Motion motion = Motion::kFree;
@@ -32,6 +40,7 @@ struct BodyDefinition {
   double particle_radius = 0;                           // m, the same for all of the body
   double size = 0;                                      // m, smallest extent of the shape
   PrescribedMotion prescribed;                          // read if kPrescribed
+  std::vector<DragPatch> drag_patches;                  // read where there is wind; a ball has none
 };
 
 /// Solid half-space below the plane normal . x = offset.
@@ -55,13 +64,37 @@ struct DemSettings {
   double stiffness = 0;        // N/m of one contact point; from impact and load
   int steps_per_contact = 40;
   bool rests_implicitly = true;  // false: explicit steps throughout
+  NormalLaw contact_law = NormalLaw::kHuntCrossley;
+  TangentialLaw tangential_law = TangentialLaw::kSpring;
+};
+
+/// Air that moves past the bodies; see wind.h.
+struct Wind {
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
+  double density = 1.2;                                // kg/m^3
+  double viscosity = 1.8e-5;                           // Pa s, of the drag of spheres
+  double drag_coefficient = 1;                         // of surfaces across the wind, but spheres
+};
+
+/// An inextensible line from a point of a body to a point of the world or of another body; see
+/// tethers.h.
+struct TetherDefinition {
+  int body = -1;
+  Eigen::Vector3d attach_b = Eigen::Vector3d::Zero();  // m, frame of the body
+  int other = -1;                                      // the second body; -1: the world
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();    // m, world or frame of the second body
+  double length = -1;  // m; 0: a ball joint; < 0: the distance at the start
 };
 
 /// How pairs of materials meet, row-major [M][M], symmetric.
 struct MaterialPairs {
-  int count = 0;                    // M
-  std::vector<double> restitution;  // [M * M]
-  std::vector<double> friction;     // [M * M]
+  int count = 0;                              // M
+  std::vector<double> restitution;            // [M * M]
+  std::vector<double> friction;               // [M * M]
+  std::vector<double> rolling_friction = {};  // [M * M]; of spheres; empty: none
+  // Of the materials themselves [M], read by Hertz and Mindlin's law.
+  std::vector<double> young_modulus = {};  // Pa
+  std::vector<double> poisson_ratio = {};
   std::size_t at(int a, int b) const { return static_cast<std::size_t>(a * count + b); }
 };
 
@@ -72,7 +105,9 @@ struct WorldDefinition {
   std::vector<PlaneDefinition> planes;
   SeedSettings seed;
   DemSettings dem;
-  MaterialPairs material_pairs;  // read by `dem`
+  std::optional<Wind> wind;               // read by `dem`
+  std::vector<TetherDefinition> tethers;  // read by `dem`
+  MaterialPairs material_pairs;           // read by `dem`
   Integrator integrator = Integrator::kSeed;
   double dt = 0;  // s
   int num_threads = 1;

@@ -9,6 +9,9 @@
 #include "dem/contact_tracking.h"
 #include "dem/prescribed.h"
 #include "dem/rotation.h"
+#include "dem/tangential_law.h"
+#include "dem/tethers.h"
+#include "dem/wind.h"
 
 namespace verisim::dem {
 namespace {
@@ -45,8 +48,9 @@ Approach approach_of(const LocalPair& local, const Island& island, const Vector3
   const Vector3d apart = a.velocity - b.velocity;
   const Vector3d pull = (a.is_free() ? 1.0 : 0.0) * gravity - (b.is_free() ? 1.0 : 0.0) * gravity;
   const double turning = edge_speed(a) + edge_speed(b);
-  if (!local.pair.gap_is_along_normal) return {apart.norm() + turning, pull.norm()};
-  return {turning - local.pair.gap_normal.dot(apart), -local.pair.gap_normal.dot(pull)};
+  const double other = a.other_acceleration + b.other_acceleration;
+  if (!local.pair.gap_is_along_normal) return {apart.norm() + turning, pull.norm() + other};
+  return {turning - local.pair.gap_normal.dot(apart), other - local.pair.gap_normal.dot(pull)};
 }
 
 /// Earliest time at which `gap` (m) can be closed; infinite if never.
@@ -64,7 +68,8 @@ Approach fastest_approach(const LocalPair& local, const Island& island, const Ve
   const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
   const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
   const double pull = a.is_free() == b.is_free() ? 0 : gravity.norm();
-  return {(a.velocity - b.velocity).norm() + edge_speed(a) + edge_speed(b), pull};
+  return {(a.velocity - b.velocity).norm() + edge_speed(a) + edge_speed(b),
+          pull + a.other_acceleration + b.other_acceleration};
 }
 
 /// Earliest time (s) at which a pair, or another point of a pair that touches, can touch down.
@@ -160,16 +165,23 @@ void kick(Island& island, double duration, const Vector3d& gravity) {
   }
 }
 
+/// The points of a pair that are pressed in.
+struct Touching {
+  int num_points = 0;
+  double weight = 0;  // sum
+};
+
 /// One point's forces at the present state.
-void apply(LocalPair& local, ContactPoint& point, int num_points, double drift,
+void apply(LocalPair& local, ContactPoint& point, const Touching& touching, double drift,
            const ContactSettings& settings, Island& island) {
-  ContactPair& pair = local.pair;
   BodyState& a = body_a(island, local);
   BodyState& b = body_b(island, local);
   const double compression = point.depth - point.offset;
   if (compression <= 0) {
     point.is_touching = false;
     point.stretch_b.setZero();
+    point.rolled_b.setZero();
+    point.shear = 0;
     point.load = 0;
     return;
   }
@@ -177,33 +189,30 @@ void apply(LocalPair& local, ContactPoint& point, int num_points, double drift,
   const Vector3d& n = point.normal;
   const Vector3d velocity = a.velocity_at(point.place) - b.velocity_at(point.place);
   const double closing = -n.dot(velocity);
-  const double k = pair.stiffness * point.weight;
-  const double relaxation =
-      pair.approach_speed > 0 ? local.factor / pair.approach_speed * compression : 0;  // s
+  const double inverse_mass = inverse_pair_mass(a, b);
+  const NormalSpring spring = normal_spring(local, point.weight, touching.weight, compression,
+                                            inverse_mass, settings.contact_law);
+  const double k = spring.stiffness;
   // The damping alone is taken implicitly, with all points of the pair acting on the same mass.
   const double damping =
-      k * relaxation / (1 + 0.5 * drift * num_points * k * relaxation * inverse_pair_mass(a, b));
-  const double elastic = k * compression;
-  const double load = std::max(0.0, elastic + damping * closing);
-  const double damped = load - elastic;
-
-  const double shear = settings.tangential_ratio * k;
+      k * spring.relaxation /
+      (1 + 0.5 * drift * touching.num_points * k * spring.relaxation * inverse_mass);
+  const double load = std::max(0.0, spring.force + damping * closing);
+  const double damped = load - spring.force;
   const Vector3d sliding = velocity + closing * n;
-  const Vector3d stretch = turned_into_plane(b.rotation * point.stretch_b, n);
-  const Vector3d trial = stretch + drift * sliding;
-  const double viscous = damping * settings.tangential_ratio;
-  Vector3d friction = -shear * trial - viscous * sliding;
-  const double limit = pair.law.friction * load;
-  const double size = friction.norm();
-  Vector3d kept = trial;
-  if (size > limit) {
-    friction *= limit / size;
-    // Sliding, the spring holds what Coulomb allows; the damper must not load it.
-    const double longest = limit / shear, stretched = trial.norm();
-    if (stretched > longest) kept *= longest / stretched;
-  }
-  point.stretch_b = b.rotation.transpose() * kept;
+  const Grip grip{sliding, load, damping, k, touching.num_points, drift};
+  double sheared = 0;
+  const Vector3d friction = friction_force(local, point, a, b, grip, settings, sheared);
   point.load = load;
+  if (local.pair.law.rolling_friction > 0) {
+    double rolled = 0;
+    const Vector3d torque = rolling_torque(local, point, a, b, grip, settings, rolled);
+    sheared += rolled;
+    a.torque += torque;
+    b.torque -= torque;
+    a.friction_torque += torque;
+    b.friction_torque -= torque;
+  }
 
   const Vector3d force = load * n + friction;
   const Vector3d arm_a = point.place - a.position, arm_b = point.place - b.position;
@@ -220,8 +229,7 @@ void apply(LocalPair& local, ContactPoint& point, int num_points, double drift,
   a.friction_torque += arm_a.cross(friction);
   b.friction_force -= friction;
   b.friction_torque -= arm_b.cross(friction);
-  const double sheared = 0.5 * shear * kept.squaredNorm();
-  island.books.elastic_energy += 0.5 * k * compression * compression + sheared;
+  island.books.elastic_energy += spring.energy + sheared;
   island.books.shear_energy += sheared;
   island.books.overlap_total += point.depth;
   island.books.num_overlaps += 1;
@@ -251,6 +259,11 @@ void adapt(LocalPair& local, Island& island, double drift, const ContactSettings
   pair.approach_speed = std::max(pair.approach_speed, fastest);
   pair.is_compressing = is_compressing;
   pair.mean_load += std::min(1.0, drift / kLoadMemory) * (heaviest - pair.mean_load);
+  if (settings.contact_law == NormalLaw::kHertzMindlin) {
+    const double depth = pair.points.empty() ? 0 : pair.points.front().depth;
+    pair.stiffness = hertz_step_stiffness(pair.law, mass, pair.approach_speed, depth);
+    return;
+  }
   if (settings.stiffness > 0) return;
   const double ratio = fastest / settings.impact_depth;
   double wanted = is_compressing ? mass * ratio * ratio : 0;
@@ -311,14 +324,16 @@ void evaluate_contact_forces(Island& island, double drift, const ContactSettings
   for (LocalPair& local : island.pairs) {
     if (!local.pair.is_touching) continue;
     if (drift > 0) adapt(local, island, drift, settings);
-    int num_points = 0;
+    Touching touching;
     for (const ContactPoint& point : local.pair.points) {
-      num_points += point.depth > point.offset ? 1 : 0;
+      if (point.depth <= point.offset) continue;
+      ++touching.num_points;
+      touching.weight += point.weight;
     }
     for (ContactPoint& point : local.pair.points) {
-      apply(local, point, num_points, drift, settings, island);
+      apply(local, point, touching, drift, settings, island);
     }
-    num_contacts += num_points;
+    num_contacts += touching.num_points;
   }
   island.books.friction_work += shear_energy - island.books.shear_energy;
   island.books.max_contacts = std::max(island.books.max_contacts, num_contacts);
@@ -340,17 +355,30 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
     is_any_touching = is_any_touching || local.pair.is_touching;
   }
   if (is_any_touching) step = std::min(step, contact_step(island, settings));
+  const bool is_tethered = !island.tethers.empty();
+  for (BodyState& body : island.bodies) body.other_acceleration = 0;
+  if (is_tethered) step = std::min(step, tether_step(island, settings.gravity));
+  if (settings.wind) step = std::min(step, wind_step(island, *settings.wind));
   for (const LocalPair& local : island.pairs) {
     step = std::min(step, time_to_meet(local, island, step, settings));
   }
   if (!island.has_forces) evaluate_contact_forces(island, 0, settings);
-  kick(island, 0.5 * step, settings.gravity);
+  const auto kick_first_half = [&](double duration) {
+    if (settings.wind) blow(island, 0.5 * duration, *settings.wind);
+    kick(island, 0.5 * duration, settings.gravity);
+  };
+  if (is_tethered) {
+    tighten(island);
+    step = drift_on_tethers(island, step, kick_first_half);
+  } else {
+    kick_first_half(step);
+  }
   for (LocalPair& local : island.pairs) {
     if (local.pair.is_touching) continue;
     const Approach approach = approach_of(local, island, settings.gravity);
     local.pair.gap -= std::max(0.0, approach.speed) * step;
   }
-  for (int i = 0; i < island.num_free; ++i) {
+  for (int i = 0; i < (is_tethered ? 0 : island.num_free); ++i) {
     drift_body(island.bodies[static_cast<std::size_t>(i)], step);
   }
   island.time += step;
@@ -365,6 +393,8 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
   }
   evaluate_contact_forces(island, step, settings);
   kick(island, 0.5 * step, settings.gravity);
+  if (settings.wind) blow(island, 0.5 * step, *settings.wind);
+  if (is_tethered) hold_velocities(island);
   for (LocalPair& local : island.pairs) {
     if (local.pair.is_touching) update_contact(local, island, settings, touch_down);
   }

@@ -2,6 +2,7 @@
 // Bodies that may touch each other during a frame, and how they advance through it.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "dem/body_state.h"
@@ -19,6 +20,9 @@ struct ContactSettings {
   int steps_per_contact = 40;
   double stiffness = 0;  // N/m; 0: from impact and load
   bool rests_implicitly = true;
+  NormalLaw contact_law = NormalLaw::kHuntCrossley;
+  TangentialLaw tangential_law = TangentialLaw::kSpring;
+  std::optional<Wind> wind;
 };
 
 /// What an island did to the books of the world.
@@ -55,12 +59,24 @@ inline void check_finite(const BodyState& body, IslandBooks& books) {
 struct LocalPair {
   int a = 0, b = 0;  // in Island::bodies
   ContactPair pair;
-  double factor = 0;  // d of its law at the settings' steps per contact
+  double factor = 0;  // of the damping of its law, at the settings' steps per contact
+};
+
+/// A line of an island; see tethers.h.
+struct Tether {
+  int index = -1;      // in the world
+  int a = -1, b = -1;  // in Island::bodies; b < 0: held by the world
+  Eigen::Vector3d attach_b = Eigen::Vector3d::Zero();  // m, frame of body a
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();    // m, world or frame of body b
+  double length = 0;                                   // m; 0: a ball joint
+  double tension = 0;                                  // N, of the last step
+  bool is_taut = false;
 };
 
 struct Island {
   std::vector<BodyState> bodies;  // free ones first in world order, then what they may touch
   std::vector<LocalPair> pairs;   // in order of ContactPair::key
+  std::vector<Tether> tethers;    // in the order of the world
   IslandBooks books;
   double time = 0;  // s
   int num_free = 0;

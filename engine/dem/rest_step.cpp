@@ -8,6 +8,7 @@
 #include "dem/explicit_step.h"
 #include "dem/rest_problem.h"
 #include "dem/rotation.h"
+#include "dem/wind.h"
 
 namespace verisim::dem {
 namespace {
@@ -308,6 +309,7 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
   thread_local Before before;  // keeps its memory from step to step
   before.bodies = island.bodies;
   before.pairs = island.pairs;
+  const HeldWind held(island, settings.wind);
   before.books = island.books;
   before.time = island.time;
   for (LocalPair& local : island.pairs) {

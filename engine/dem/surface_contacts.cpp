@@ -9,9 +9,10 @@
 
 #include "dem/contact_tracking.h"
 #include "dem/explicit_step.h"
+#include "dem/normal_law.h"
 #include "dem/prescribed.h"
-#include "dem/restitution.h"
 #include "dem/surface_contact.h"
+#include "dem/tether_definition.h"
 
 namespace verisim::dem {
 namespace {
@@ -67,6 +68,14 @@ BodyState plane_state(const PlaneDefinition& plane, const CollisionShape& shape,
   return state;
 }
 
+/// Implicit steps know the default laws' springs, no lines and no rolling springs.
+bool may_rest(const Island& island, const ContactSettings& settings) {
+  return settings.contact_law == NormalLaw::kHuntCrossley &&
+         settings.tangential_law == TangentialLaw::kSpring && island.tethers.empty() &&
+         std::none_of(island.pairs.begin(), island.pairs.end(),
+                      [](const LocalPair& local) { return local.pair.law.rolling_friction > 0; });
+}
+
 /// Sets of bodies joined by pairs.
 class UnionFind {
  public:
@@ -96,6 +105,7 @@ SurfaceContacts::SurfaceContacts(const WorldDefinition& definition)
     shapes_.push_back(body.shape);
     material_.push_back(body.material);
     paths_.push_back(body.prescribed);
+    drag_patches_.push_back(body.drag_patches);
     num_samples_ += num_samples_of(body.shape);
     if (body.motion == Motion::kFree) smallest = std::min(smallest, body.size);
   }
@@ -109,6 +119,7 @@ SurfaceContacts::SurfaceContacts(const WorldDefinition& definition)
     state.shape = &shapes_[at(b)];
     state.motion = body.motion;
     state.path = body.motion == Motion::kPrescribed ? &paths_[at(b)] : nullptr;
+    state.drag_patches = &drag_patches_[at(b)];
     state.index = b;
     state.size = body.size;
     state.reach = reach_of(body.shape);
@@ -133,8 +144,12 @@ SurfaceContacts::SurfaceContacts(const WorldDefinition& definition)
   settings_.stiffness = dem.stiffness;
   settings_.steps_per_contact = dem.steps_per_contact;
   settings_.rests_implicitly = dem.rests_implicitly;
+  settings_.wind = definition.wind;
+  settings_.contact_law = dem.contact_law;
+  settings_.tangential_law = dem.tangential_law;
+  tethers_ = make_tethers(definition);
   for (const double e : materials_.restitution) {
-    factor_of_law_.push_back(calibrated_factor(e, dem.steps_per_contact));
+    factor_of_law_.push_back(damping_factor(dem.contact_law, e, dem.steps_per_contact));
   }
 }
 
@@ -202,6 +217,19 @@ PairLaw SurfaceContacts::law_of(int a, int b) const {
   PairLaw law;
   law.restitution = materials_.restitution[k];
   law.friction = materials_.friction[k];
+  const auto* ball_a = std::get_if<SphereShape>(&shapes_[at(a)]);
+  const auto* ball_b = std::get_if<SphereShape>(&shapes_[at(b)]);
+  if (ball_a == nullptr && ball_b == nullptr) return law;
+  law.radius = 1 / ((ball_a != nullptr ? 1 / ball_a->radius : 0) +
+                    (ball_b != nullptr ? 1 / ball_b->radius : 0));
+  if (!materials_.rolling_friction.empty()) law.rolling_friction = materials_.rolling_friction[k];
+  if (settings_.contact_law == NormalLaw::kHertzMindlin) {
+    const auto elastic = [&](int body) {
+      const std::size_t material = at(material_[at(body)]);
+      return Elastic{materials_.young_modulus[material], materials_.poisson_ratio[material]};
+    };
+    set_hertz(law, elastic(a), elastic(b));
+  }
   return law;
 }
 
@@ -299,6 +327,9 @@ std::vector<Island> SurfaceContacts::make_islands(double time) const {
   for (const ContactPair& pair : pairs_) {
     if (bodies_[at(pair.a)].is_free() && bodies_[at(pair.b)].is_free()) sets.join(pair.a, pair.b);
   }
+  for (const Tether& tether : tethers_) {
+    if (tether.b >= 0) sets.join(tether.a, tether.b);
+  }
   std::vector<Island> islands;
   std::vector<int> island_of(bodies_.size(), -1), local_of(bodies_.size(), -1);
   for (const BodyState& body : bodies_) {
@@ -335,6 +366,12 @@ std::vector<Island> SurfaceContacts::make_islands(double time) const {
     local.factor = factor_of_law_[materials_.at(material_[at(pair.a)], material_[at(pair.b)])];
     island.pairs.push_back(std::move(local));
   }
+  for (const Tether& tether : tethers_) {
+    Tether local = tether;
+    local.a = local_of[at(tether.a)];
+    if (tether.b >= 0) local.b = local_of[at(tether.b)];
+    islands[at(island_of[at(tether.a)])].tethers.push_back(local);
+  }
   return islands;
 }
 
@@ -361,6 +398,7 @@ StepReport SurfaceContacts::step(World& world) {
         const double share = std::clamp(kImpactSharePerBody * islands[at(i)].num_free,
                                         kLeastImpactShare, kMostImpactShare);
         settings.impact_depth = share * chosen_.max_penetration;
+        settings.rests_implicitly = settings.rests_implicitly && may_rest(islands[at(i)], settings);
         advance_island(islands[at(i)], end, settings);
       }
     });
@@ -382,6 +420,10 @@ StepReport SurfaceContacts::step(World& world) {
     for (int i = 0; i < island.num_free; ++i)
       bodies_[at(island.bodies[at(i)].index)] = island.bodies[at(i)];
     for (LocalPair& local : island.pairs) pairs.push_back(std::move(local.pair));
+    for (const Tether& tether : island.tethers) {
+      tethers_[at(tether.index)].tension = tether.tension;
+      tethers_[at(tether.index)].is_taut = tether.is_taut;
+    }
     balance.damping_work += books.damping_work;
     balance.friction_work += books.friction_work;
     balance.outside_work += books.outside_work;

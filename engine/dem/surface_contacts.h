@@ -56,13 +56,15 @@ class SurfaceContacts {
   ContactSettings settings_;
   Chosen chosen_;
   MaterialPairs materials_;
-  std::vector<CollisionShape> shapes_;   // [B + P]
-  std::vector<int> material_;            // [B + P]
-  std::vector<PrescribedMotion> paths_;  // [B]
-  std::vector<BodyState> bodies_;        // [B + P], at the start of the frame
-  std::vector<ContactPair> pairs_;       // in order of their keys, at the start of the frame
-  std::vector<Bounds> bounds_;           // [B + P], over the frame
-  std::vector<double> factor_of_law_;    // [M * M] calibrated damping of each pair of materials
+  std::vector<CollisionShape> shapes_;                // [B + P]
+  std::vector<int> material_;                         // [B + P]
+  std::vector<PrescribedMotion> paths_;               // [B]
+  std::vector<std::vector<DragPatch>> drag_patches_;  // [B]
+  std::vector<BodyState> bodies_;                     // [B + P], at the start of the frame
+  std::vector<Tether> tethers_;                       // between bodies of bodies_
+  std::vector<ContactPair> pairs_;     // in order of their keys, at the start of the frame
+  std::vector<Bounds> bounds_;         // [B + P], over the frame
+  std::vector<double> factor_of_law_;  // [M * M] calibrated damping of each pair of materials
   double elastic_energy_ = 0, least_step_ = 0, energy_rise_ = 0;
   long num_samples_ = 0;
   WorkSplit work_;

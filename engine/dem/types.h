@@ -20,6 +20,12 @@ enum class Method { kDem, kSeed };
 /// How time advances. Scene names: "seed", "rkmk4".
 enum class Integrator { kSeed, kRkmk4 };
 
+/// Normal force of method dem. Scene names: "hunt_crossley", "linear", "hertz_mindlin".
+enum class NormalLaw { kHuntCrossley, kLinear, kHertzMindlin };
+
+/// Friction of method dem below Coulomb's limit. Scene names: "spring", "rigid_stick".
+enum class TangentialLaw { kSpring, kRigidStick };
+
 constexpr std::string_view to_string(Integrator integrator) {
   return integrator == Integrator::kSeed ? "seed" : "rkmk4";
 }

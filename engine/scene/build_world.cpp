@@ -9,7 +9,9 @@
 #include <memory>
 
 #include "dem/defaults.h"
+#include "dem/tether_definition.h"
 #include "scene/contact_geometry.h"
+#include "scene/drag_patches.h"
 #include "scene/problem.h"
 #include "shape/check_mesh.h"
 #include "shape/extents.h"
@@ -33,6 +35,7 @@ struct Solid {
   double smallest_extent = 0;              // m
   dem::CollisionShape shape;               // method dem
   std::vector<Eigen::Vector3d> particles;  // m
+  std::vector<dem::DragPatch> patches;     // where there is wind
   double particle_radius = 0;              // m
 };
 
@@ -136,6 +139,7 @@ dem::BodyDefinition body_definition(const Body& body, const Solid& solid, double
   definition.particle_radius = solid.particle_radius;
   definition.size = solid.smallest_extent;
   definition.prescribed = body.prescribed;
+  definition.drag_patches = solid.patches;
   return definition;
 }
 
@@ -148,12 +152,17 @@ dem::MaterialPairs material_pairs(const Scene& scene) {
     for (const Material& b : scene.materials) {
       pairs.restitution.push_back(pair_mean(a.restitution, b.restitution));
       pairs.friction.push_back(pair_mean(a.friction, b.friction));
+      pairs.rolling_friction.push_back(pair_mean(a.rolling_friction, b.rolling_friction));
     }
+    if (scene.physics.contact_law != dem::NormalLaw::kHertzMindlin) continue;
+    pairs.young_modulus.push_back(*a.young_modulus);
+    pairs.poisson_ratio.push_back(*a.poisson_ratio);
   }
   for (const MaterialPair& own : scene.material_pairs) {
     for (const std::size_t k : {pairs.at(own.a, own.b), pairs.at(own.b, own.a)}) {
       if (own.restitution) pairs.restitution[k] = *own.restitution;
       if (own.friction) pairs.friction[k] = *own.friction;
+      if (own.rolling_friction) pairs.rolling_friction[k] = *own.rolling_friction;
     }
   }
   return pairs;
@@ -164,6 +173,8 @@ void choose_parameters(const Physics& physics, dem::WorldDefinition& world) {
   if (physics.method == dem::Method::kDem) {
     world.integrator = dem::Integrator::kRkmk4;
     world.dem.rests_implicitly = physics.integrator != "explicit";
+    world.dem.contact_law = physics.contact_law;
+    world.dem.tangential_law = physics.tangential_law;
     world.dem.max_penetration = physics.max_penetration.value_or(0);
     world.dem.stiffness = physics.stiffness.value_or(0);
     if (physics.steps_per_contact) world.dem.steps_per_contact = *physics.steps_per_contact;
@@ -186,6 +197,8 @@ BuiltScene build_world(const Scene& scene) {
   std::vector<Problem> problems;
   std::map<std::string, Solid> solids;
   built.world.gravity = scene.gravity;
+  built.world.wind = scene.wind;
+  built.world.tethers = scene.tethers;
   built.world.material_pairs = material_pairs(scene);
   const bool has_mesh = std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const Body& body) {
     return body.shape.kind == ShapeKind::kMesh;
@@ -195,6 +208,8 @@ BuiltScene build_world(const Scene& scene) {
     if (!solids.contains(key)) {
       try {
         solids[key] = make_solid(body.shape, scene.physics, has_mesh);
+        const bool feels_patches = scene.wind && body.shape.kind != ShapeKind::kSphere;
+        if (feels_patches) solids[key].patches = make_drag_patches(solids[key].mesh);
       } catch (const shape::MeshError& error) {
         problems.push_back({scene.file.string(), "bodies." + body.name + ".shape", error.what(),
                             "a closed, solid shape", ""});
@@ -209,6 +224,13 @@ BuiltScene build_world(const Scene& scene) {
     built.world.bodies.push_back(
         body_definition(body, solid, scene.materials[body.material].density));
     built.meshes.push_back(solid.mesh);
+  }
+  for (std::size_t t = 0; t < scene.tethers.size(); ++t) {
+    const std::string fault = dem::fault_of_tether(scene.tethers[t], built.world.bodies);
+    if (fault.empty()) continue;
+    problems.push_back({scene.file.string(), "modules.tethers." + std::to_string(t), fault,
+                        "a line as long as its ends are apart or longer",
+                        "leave length_m out to take the distance at the start"});
   }
   if (!problems.empty()) throw SceneError(std::move(problems));
   if (scene.ground) {

@@ -56,6 +56,22 @@ std::vector<Key> material_keys() {
                       "is viscous.",
        .default_text = "0.5",
        .at_least = 0},
+      {.name = "rolling_friction",
+       .kind = Kind::kNumber,
+       .description = "Method dem: torque that resists the rolling of a sphere, over load times "
+                      "radius. A pair has it if both materials do, or material_pairs says so; its "
+                      "islands take explicit steps.",
+       .default_text = "0",
+       .at_least = 0},
+      {.name = "young_modulus_pa",
+       .kind = Kind::kNumber,
+       .description = "Young's modulus, Pa. physics.contact_law hertz_mindlin alone reads it.",
+       .above = 0},
+      {.name = "poisson_ratio",
+       .kind = Kind::kNumber,
+       .description = "Poisson's ratio. physics.contact_law hertz_mindlin alone reads it.",
+       .above = -1,
+       .at_most = 0.5},
   };
 }
 
@@ -71,6 +87,10 @@ std::vector<Key> material_pair_keys() {
        .at_least = 0,
        .at_most = 1},
       {.name = "friction",
+       .kind = Kind::kNumber,
+       .description = "Of this pair; otherwise the geometric mean of the two materials.",
+       .at_least = 0},
+      {.name = "rolling_friction",
        .kind = Kind::kNumber,
        .description = "Of this pair; otherwise the geometric mean of the two materials.",
        .at_least = 0},
@@ -188,6 +208,21 @@ std::vector<Key> physics_keys() {
        .default_text = "40",
        .at_least = 20,
        .at_most = 1000},
+      {.name = "contact_law",
+       .kind = Kind::kChoice,
+       .description =
+           "Normal force of method dem. hunt_crossley: linear spring, damping by the approach "
+           "speed. linear: linear spring and dashpot, no pull. hertz_mindlin: spheres on spheres "
+           "and planes, from young_modulus_pa and poisson_ratio. The last two take explicit steps.",
+       .default_text = "hunt_crossley",
+       .choices = {"hunt_crossley", "linear", "hertz_mindlin"}},
+      {.name = "tangential_law",
+       .kind = Kind::kChoice,
+       .description = "Friction of method dem below Coulomb's limit. spring: elastic, an impact "
+                      "that sticks springs back. rigid_stick: an impact that sticks does not; "
+                      "it takes explicit steps.",
+       .default_text = "spring",
+       .choices = {"spring", "rigid_stick"}},
       {.name = "particle_size_m",
        .kind = Kind::kNumber,
        .description = "Method seed: particle diameter of boxes and meshes, m. A ball is always one "
@@ -220,6 +255,67 @@ std::vector<Key> physics_keys() {
        .default_text = "0.5",
        .at_least = 0},
   };
+}
+
+Key wind_key() {
+  return {.name = "wind",
+          .kind = Kind::kMap,
+          .description =
+              "Air that moves past the bodies: quadratic drag on windward surfaces; of "
+              "spheres the drag of Schiller and Naumann. No buoyancy.",
+          .children = {
+              vector_key("velocity_m_s", "Velocity of the air, m/s; zero is still air.", "", true),
+              {.name = "air_density_kg_m3",
+               .kind = Kind::kNumber,
+               .description = "Mass of air per volume, kg/m3.",
+               .default_text = "1.2",
+               .above = 0},
+              {.name = "air_viscosity_pa_s",
+               .kind = Kind::kNumber,
+               .description = "Dynamic viscosity, Pa s; spheres alone feel it.",
+               .default_text = "1.8e-5",
+               .at_least = 0},
+              {.name = "drag_coefficient",
+               .kind = Kind::kNumber,
+               .description = "Of surfaces across the wind; spheres have their own.",
+               .default_text = "1",
+               .at_least = 0}}};
+}
+
+Key tethers_key() {
+  return {.name = "tethers",
+          .kind = Kind::kList,
+          .description =
+              "Inextensible lines that pull, never push, and may hang slack. Bodies on "
+              "them take explicit steps.",
+          .children = {{.name = "body",
+                        .kind = Kind::kText,
+                        .description = "The body that hangs from a point of the world."},
+                       {.name = "bodies",
+                        .kind = Kind::kNameList,
+                        .description = "In place of body: two bodies that the line joins."},
+                       vector_key("attach_m",
+                                  "Where the line holds the body, or the first of two: in its own "
+                                  "frame, from its centre of mass, m.",
+                                  "[0, 0, 0]"),
+                       vector_key("anchor_m",
+                                  "The other end: a point of the world; of two bodies, in the "
+                                  "frame of the second, from its centre of mass, m.",
+                                  "[0, 0, 0]"),
+                       {.name = "length_m",
+                        .kind = Kind::kNumber,
+                        .description = "Length of the line, m; 0: a ball joint.",
+                        .default_text = "the distance of its ends at the start",
+                        .at_least = 0}}};
+}
+
+Key modules_key() {
+  return {.name = "modules",
+          .kind = Kind::kMap,
+          .description =
+              "What else acts on the bodies, with method dem. What is absent is not "
+              "modelled and costs nothing.",
+          .children = {wind_key(), tethers_key()}};
 }
 
 }  // namespace
@@ -279,6 +375,7 @@ const Key& scene_keys() {
          .kind = Kind::kMap,
          .description = "How to compute; all optional.",
          .children = physics_keys()},
+        modules_key(),
         {.name = "expect",
          .kind = Kind::kMap,
          .description = "What a right run does; a run that does not is reported as failed.",

@@ -43,6 +43,7 @@ class Reader {
     read_bodies();
     read_ground();
     read_physics();
+    read_modules();
     read_expectations();
     read_camera();
     if (const YAML::Node look = root_["look"]) {
@@ -84,6 +85,9 @@ class Reader {
       read(entry.second["density_kg_m3"], material.density);
       read(entry.second["restitution"], material.restitution);
       read(entry.second["friction"], material.friction);
+      read(entry.second["rolling_friction"], material.rolling_friction);
+      read(entry.second["young_modulus_pa"], material.young_modulus);
+      read(entry.second["poisson_ratio"], material.poisson_ratio);
       scene_.materials.push_back(material);
     }
     const YAML::Node pairs = root_["material_pairs"];
@@ -94,9 +98,10 @@ class Reader {
         add(path, names, "two names");
         continue;
       }
-      MaterialPair pair{material_index(names[0], path), material_index(names[1], path), {}, {}};
+      MaterialPair pair{material_index(names[0], path), material_index(names[1], path), {}, {}, {}};
       read(pairs[i]["restitution"], pair.restitution);
       read(pairs[i]["friction"], pair.friction);
+      read(pairs[i]["rolling_friction"], pair.rolling_friction);
       scene_.material_pairs.push_back(pair);
     }
   }
@@ -220,6 +225,9 @@ class Reader {
     belongs_to("tangential_damping_ratio", is_seed, "seed");
     belongs_to("max_penetration_m", !is_seed, "dem");
     belongs_to("steps_per_contact", !is_seed, "dem");
+    belongs_to("contact_law", !is_seed, "dem");
+    belongs_to("tangential_law", !is_seed, "dem");
+    read_laws(node);
     read(node["particle_size_m"], physics.particle_size);
     read(node["dt_s"], physics.dt);
     read(node["stiffness_n_m"], physics.stiffness);
@@ -230,16 +238,90 @@ class Reader {
     }
   }
 
+  void read_laws(const YAML::Node& node) {
+    std::string normal = "hunt_crossley", tangential = "spring";
+    read(node["contact_law"], normal);
+    read(node["tangential_law"], tangential);
+    if (tangential == "rigid_stick") {
+      scene_.physics.tangential_law = dem::TangentialLaw::kRigidStick;
+    }
+    if (normal == "linear") scene_.physics.contact_law = dem::NormalLaw::kLinear;
+    if (normal != "hertz_mindlin") return;
+    scene_.physics.contact_law = dem::NormalLaw::kHertzMindlin;
+    for (const Body& body : scene_.bodies) {
+      if (body.shape.kind == ShapeKind::kSphere) continue;
+      add("physics.contact_law", node["contact_law"],
+          "hertz_mindlin only where every body is a sphere",
+          "body " + body.name + " is none; take hunt_crossley or linear");
+    }
+    for (const Material& material : scene_.materials) {
+      for (const auto& [key, is_given] :
+           {std::pair{"young_modulus_pa", material.young_modulus.has_value()},
+            std::pair{"poisson_ratio", material.poisson_ratio.has_value()}}) {
+        if (is_given) continue;
+        add("materials." + material.name + "." + key, root_["materials"][material.name],
+            std::string(key) + " of every material",
+            "physics.contact_law hertz_mindlin computes its springs from it");
+      }
+    }
+  }
+
+  void read_modules() {
+    const YAML::Node node = root_["modules"];
+    if (!node) return;
+    if (node.size() > 0 && scene_.physics.method == dem::Method::kSeed) {
+      add("modules", node, "only with method: dem", "remove modules, or physics.method");
+    }
+    if (node["wind"]) read_wind(node["wind"]);
+    for (std::size_t i = 0; node["tethers"] && i < node["tethers"].size(); ++i) {
+      read_tether(node["tethers"][i], "modules.tethers." + std::to_string(i));
+    }
+  }
+
+  /// Index of the body of this name; -1, with a problem, if there is none.
+  int body_index(const YAML::Node& node, const std::string& path) {
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      if (scene_.bodies[i].name == node.Scalar()) return static_cast<int>(i);
+    }
+    add(path, node, "the name of a body");
+    return -1;
+  }
+
+  void read_tether(const YAML::Node& node, const std::string& path) {
+    dem::TetherDefinition tether;
+    const YAML::Node one = node["body"], two = node["bodies"];
+    if (one.IsDefined() == two.IsDefined() || (two && two.size() != 2)) {
+      return add(path, node, "body, or bodies with two names");
+    }
+    if (one) {
+      tether.body = body_index(one, path + ".body");
+      if (tether.body < 0) return;
+      if (!node["anchor_m"]) add(path + ".anchor_m", node, "the point of the world that holds it");
+    } else {
+      tether.body = body_index(two[0], path + ".bodies");
+      tether.other = body_index(two[1], path + ".bodies");
+      if (tether.body < 0 || tether.other < 0) return;
+    }
+    read(node["attach_m"], tether.attach_b);
+    read(node["anchor_m"], tether.anchor);
+    read(node["length_m"], tether.length);
+    scene_.tethers.push_back(tether);
+  }
+
+  void read_wind(const YAML::Node& node) {
+    dem::Wind wind;
+    wind.velocity = vector_of(node["velocity_m_s"]);
+    read(node["air_density_kg_m3"], wind.density);
+    read(node["air_viscosity_pa_s"], wind.viscosity);
+    read(node["drag_coefficient"], wind.drag_coefficient);
+    scene_.wind = wind;
+  }
+
   void read_expectations() {
     const YAML::Node stands = root_["expect"] ? root_["expect"]["stands"] : YAML::Node();
     for (const auto& node : stands) {
-      bool found = false;
-      for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-        if (scene_.bodies[i].name != node.Scalar()) continue;
-        scene_.stands.push_back(static_cast<int>(i));
-        found = true;
-      }
-      if (!found) add("expect.stands", node, "the name of a body");
+      const int body = body_index(node, "expect.stands");
+      if (body >= 0) scene_.stands.push_back(body);
     }
   }
 

@@ -17,11 +17,14 @@ struct Material {
   double density = 0;        // kg/m^3
   double restitution = 0.5;  // -
   double friction = 0.5;     // -
+  double rolling_friction = 0;
+  std::optional<double> young_modulus;  // Pa
+  std::optional<double> poisson_ratio;
 };
 
 struct MaterialPair {
   int a = 0, b = 0;  // material indices
-  std::optional<double> restitution, friction;
+  std::optional<double> restitution, friction, rolling_friction;
 };
 
 enum class ShapeKind { kBox, kSphere, kMesh };
@@ -60,6 +63,8 @@ struct Physics {
   // Method dem.
   std::optional<double> max_penetration;  // m
   std::optional<int> steps_per_contact;
+  dem::NormalLaw contact_law = dem::NormalLaw::kHuntCrossley;
+  dem::TangentialLaw tangential_law = dem::TangentialLaw::kSpring;
   // Method seed.
   double damping_ratio = 1;
   double tangential_damping_ratio = 0.5;
@@ -87,6 +92,8 @@ struct Scene {
   std::vector<Body> bodies;
   std::optional<Ground> ground;
   Physics physics;
+  std::optional<dem::Wind> wind;
+  std::vector<dem::TetherDefinition> tethers;
   std::vector<int> stands;  // body indices that must stand
   std::optional<Camera> camera;
   Look look;

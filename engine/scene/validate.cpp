@@ -90,7 +90,7 @@ class Validator {
     std::string hint;
     if (nearest != nullptr) {
       hint = "did you mean " + nearest->name + "? Units are fixed by the key";
-    } else if (path.empty() && (name == "modules" || name == "edits" || name == "version")) {
+    } else if (path.empty() && (name == "edits" || name == "version")) {
       hint = "this version of Verisim does not model it";
     }
     std::string allowed = "one of:";

@@ -138,6 +138,27 @@ TEST_CASE("a_pair_of_materials_has_the_geometric_mean_unless_the_scene_says_othe
   CHECK(named.friction[named.at(0, 1)] == doctest::Approx(0.1));
 }
 
+TEST_CASE("a_scene_without_wind_has_no_drag_patches_and_one_with_wind_has_those_of_its_surfaces") {
+  const std::vector<std::string> dem{"physics={}"};
+  for (const auto& body : build(dem).world.bodies) CHECK(body.drag_patches.empty());
+  const BuiltScene windy = build({"physics={}", "modules={wind: {velocity_m_s: [1, 0, 0]}}"});
+  CHECK(windy.world.bodies[0].drag_patches.empty());
+  double area = 0;
+  for (const auto& patch : windy.world.bodies[1].drag_patches) area += patch.area;
+  CHECK(area == doctest::Approx(2 * (0.2 * 0.4 + 0.4 * 0.1 + 0.1 * 0.2)).epsilon(1e-12));
+  CHECK_FALSE(windy.world.bodies[2].drag_patches.empty());
+}
+
+TEST_CASE("a_line_shorter_than_its_ends_are_apart_is_refused") {
+  try {
+    build({"physics={}", "modules={tethers: [{body: ball, anchor_m: [0, 0, 2], length_m: 0.9}]}"});
+    FAIL("not refused");
+  } catch (const SceneError& error) {
+    REQUIRE(error.problems.size() == 1);
+    CHECK(error.problems[0].key == "modules.tethers.0");
+  }
+}
+
 TEST_CASE("a_mesh_that_is_no_solid_names_the_body_and_the_fault") {
   const std::filesystem::path mesh =
       std::filesystem::temp_directory_path() / "verisim_open_mesh_test.obj";

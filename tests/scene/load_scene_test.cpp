@@ -126,6 +126,62 @@ TEST_CASE("a_key_of_the_other_method_is_refused") {
   CHECK(of_dem[1].allowed == "only with method: dem");
 }
 
+TEST_CASE("modules_and_laws_are_read_by_name") {
+  const std::string text =
+      replaced(kGood, "{dt_s: 1e-4}", "{contact_law: linear, tangential_law: rigid_stick}") +
+      "modules:\n  wind: {velocity_m_s: [3, 0, 0], drag_coefficient: 1.2}\n"
+      "  tethers:\n    - {body: ball, anchor_m: [0.3, 0, 1], length_m: 0.6}\n"
+      "    - {bodies: [ball, base], attach_m: [0, 0, -0.05]}\n";
+  const File file(text);
+  const Scene scene = load_scene(file.path, {});
+  CHECK(scene.physics.contact_law == verisim::dem::NormalLaw::kLinear);
+  CHECK(scene.physics.tangential_law == verisim::dem::TangentialLaw::kRigidStick);
+  REQUIRE(scene.wind.has_value());
+  CHECK(scene.wind->velocity == Eigen::Vector3d(3, 0, 0));
+  CHECK(scene.wind->density == 1.2);
+  CHECK(scene.wind->drag_coefficient == 1.2);
+  REQUIRE(scene.tethers.size() == 2);
+  CHECK(scene.tethers[0].body == 1);
+  CHECK(scene.tethers[0].other == -1);
+  CHECK(scene.tethers[0].length == 0.6);
+  CHECK(scene.tethers[1].other == 0);
+  CHECK(scene.tethers[1].length < 0);
+}
+
+TEST_CASE("a_tether_names_one_body_and_an_anchor_or_two_bodies") {
+  const std::vector<Problem> problems = problems_of(
+      std::string(kGood) +
+      "modules:\n  tethers:\n    - {anchor_m: [0, 0, 1]}\n    - {body: boll, anchor_m: [0, 0, 1]}\n"
+      "    - {body: ball}\n    - {bodies: [ball]}\n");
+  REQUIRE(problems.size() == 4);
+  CHECK(problems[0].key == "modules.tethers.0");
+  CHECK(problems[0].allowed == "body, or bodies with two names");
+  CHECK(problems[1].key == "modules.tethers.1.body");
+  CHECK(problems[2].key == "modules.tethers.2.anchor_m");
+  CHECK(problems[3].key == "modules.tethers.3");
+}
+
+TEST_CASE("hertz_and_mindlin_ask_for_spheres_and_moduli") {
+  const std::vector<Problem> problems = problems_of(
+      replaced(replaced(kGood, "{dt_s: 1e-4}", "{contact_law: hertz_mindlin}"),
+               "steel: {density_kg_m3: 7800}",
+               "steel: {density_kg_m3: 7800, young_modulus_pa: 2e11, poisson_ratio: 0.3}"));
+  REQUIRE(problems.size() == 3);
+  CHECK(problems[0].key == "physics.contact_law");
+  CHECK(problems[0].hint.find("base") != std::string::npos);
+  CHECK(problems[1].key == "materials.wood.young_modulus_pa");
+  CHECK(problems[2].key == "materials.wood.poisson_ratio");
+}
+
+TEST_CASE("modules_belong_to_method_dem") {
+  const std::vector<Problem> problems =
+      problems_of(replaced(kGood, "{dt_s: 1e-4}", "{method: seed, contact_law: linear}") +
+                  "modules: {wind: {velocity_m_s: [1, 0, 0]}}\n");
+  REQUIRE(problems.size() == 2);
+  CHECK(problems[0].key == "physics.contact_law");
+  CHECK(problems[1].key == "modules");
+}
+
 TEST_CASE("a_key_written_twice_is_an_error") {
   const std::vector<Problem> problems =
       problems_of(replaced(kGood, "duration_s: 2", "duration_s: 2\nduration_s: 3"));
