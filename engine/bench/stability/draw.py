@@ -56,7 +56,7 @@ def draw_map(of: StabilityMap, cells: Sequence[Cell], log: RunLog, folder: Path)
     with style.look():
         num_rows = math.ceil((2 + len(lines)) / 2) + math.ceil(_num_codes(cells, log) / 5)
         bottom = 0.52 + 0.185 * num_rows
-        left = 1.1 if of.y_names or min(ys) < 0.01 else 0.85  # room for long names of rows
+        left = 1.25 if of.y_names else 1.1 if min(ys) < 0.01 else 0.85  # as long as rows' names
         wide = style.WIDTH_IN - left - 0.12
         tall = max(CELL_IN * len(ys), LEAST_IN)
         height = tall + bottom + 0.12

@@ -236,6 +236,7 @@ def _landing() -> StabilityMap:
 # (vi) restitution and steps per contact of a ball on the ground.
 
 BOUNCE_FREQUENCY = 1000.0  # rad/s of ball and spring
+LEAST_DEM = 0.02  # dem counts less as that (engine/dem/restitution.h)
 BOUNCE_SPEED = 1.0  # m/s: 1 mm of compression, small beside the ball
 
 
@@ -287,7 +288,7 @@ def _bounce(method: str) -> StabilityMap:
 
     restitutions = tuple(round(0.05 * n, 2) for n in range(1, 21))
     if not is_seed:
-        restitutions = (0.0, *restitutions)
+        restitutions = (LEAST_DEM, *restitutions)
     steps = whole_logs(2, 128, 16) if is_seed else whole_logs(20, 1000, 12)
     few = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0) if is_seed else (20.0, 100.0, 500.0)
     return StabilityMap(

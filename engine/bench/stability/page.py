@@ -48,7 +48,10 @@ def write_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"percent": percent, "number": number_words}
+    environment.filters |= {
+        "percent": lambda part, whole: percent(part, whole).replace(" ", "\u00a0"),
+        "number": number_words,
+    }
     keys = list(dict.fromkeys(each.key for each in maps))
     panels: list[dict[str, Any]] = [
         {"of": of, "svg": Markup(drawing.svg), "score": score}  # our own drawing, words escaped
