@@ -17,7 +17,7 @@ Command = Callable[..., "subprocess.CompletedProcess[str]"]
 def bench(tmp_path: Path) -> Command:
     """Runs `verisim bench`: arguments -> completed process."""
 
-    def run(*arguments: object, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+    def run(*arguments: object, timeout: float = 250) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [sys.executable, "-m", "verisim", "bench", *map(str, arguments)],
             cwd=tmp_path,
