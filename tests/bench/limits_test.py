@@ -83,8 +83,7 @@ def test_a_column_of_hinges_buckles_where_its_linear_motion_begins_to_grow() -> 
 
 
 def test_a_pair_of_lattices_slides_off_at_the_rate_of_its_formula() -> None:
-    # Two bodies, one contact in the middle: the upper one slides, the dashpot of the plane holds
-    # nothing. Heavy drag makes inertia small.
+    # Heavy drag makes inertia small.
     edge, diameter, stiffness = 0.2, 0.05, 1e5
     column = Column(
         edge, (1.0, 1.0), stiffness, (-0.05, 0.05), 1e-6, diameter, 64, 1.0, 50.0, start=1.0
@@ -96,7 +95,7 @@ def test_a_pair_of_lattices_slides_off_at_the_rate_of_its_formula() -> None:
     late = slice(len(apart) // 2, None)
     slope = np.polyfit(path.time[late], np.log(np.abs(apart[late])), 1)[0]
     expected = limits.slide_rate(overlap, diameter, stiffness, drag)
-    assert slope == pytest.approx(expected, rel=0.35)  # tilts add to it: measured below
+    assert slope == pytest.approx(expected, rel=5e-3)  # measured 1.2e-3: inertia
 
 
 def test_a_column_let_go_overshoots_by_less_than_its_weight_again() -> None:
