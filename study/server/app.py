@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 from fastapi import FastAPI, Request
-from fastapi.responses import JSONResponse
+from fastapi.responses import HTMLResponse, JSONResponse, Response
 from sqlalchemy import Connection, Engine
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp
@@ -32,6 +32,10 @@ from verisim.study.server.writer import Work, Writer
 
 READY_S = 2.0
 MAX_TOKEN_CHARS = 100
+NO_SUCH_PAGE = (
+    '<!doctype html><html lang="en"><meta charset="utf-8"><title>No such page</title>'
+    "<h1>There is no such page</h1><p>Please open the link that you were given.</p></html>"
+)
 # What the writer does with a participant's body: (connection, study, caller, post, body) → reply.
 Store = Callable[[Connection, OpenStudy, Caller, Post, Any], Reply]
 POSTS: dict[str, tuple[type[bodies.Body], Store]] = {
@@ -88,8 +92,10 @@ def add_error_forms(app: FastAPI) -> None:
         return JSONResponse(error.body(), error.status, headers)
 
     @app.exception_handler(HTTPException)
-    async def http_error(_request: Request, error: Exception) -> JSONResponse:
+    async def http_error(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)
+        if error.status_code == 404 and "text/html" in request.headers.get("accept", ""):
+            return HTMLResponse(NO_SUCH_PAGE, 404)  # somebody who mistyped the address
         named = ApiError(error.status_code, "not_found", str(error.detail), "see the HTTP contract")
         return JSONResponse(named.body(), error.status_code)
 

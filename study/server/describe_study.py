@@ -42,7 +42,7 @@ def describe_study(
         state = "full"
     return {
         "name": study.name,
-        "title": study.title,
+        "title": study.title[language],
         "languages": study.languages,
         "language": language,
         "language_names": {code: language_name(code) for code in study.languages},
@@ -104,6 +104,6 @@ def describe_screen(opened: OpenStudy, study: Study) -> dict[str, Any] | None:
         "calibration": rules.calibration,
         "distance_mm": None
         if distance is None
-        else {"ask": True, "default": distance[1], "min": distance[0], "max": distance[2]},
+        else {"usual": distance[1], "min": distance[0], "max": distance[2]},
         "px_per_degree": rules.px_per_degree,
     }

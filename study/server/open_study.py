@@ -146,7 +146,7 @@ def _write(connection: Connection, study: Study, clips: StimulusSet) -> None:
         connection.execute(delete(tables.metadata.tables[table]))
     row = {
         "study_id": study.name,
-        "title": study.title,
+        "title": study.title[study.languages[0]],
         "config_json": study.config_json(),
         "config_sha256": study.config_sha256(),
         "set_name": clips.name,

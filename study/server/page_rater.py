@@ -18,13 +18,14 @@ from verisim.study.server.questions import Answer, Question
 SCREENS = {
     "form": "form.questions:not(.is-saving):not([inert])",
     "consent": "button[data-choice='1']",
-    "card": ".calibration .primary:enabled",
+    "card": ".calibration .primary",
     "distance": "form.distance",
     "text": ".text .primary:enabled, .message:not(.end):not([role]) .primary:enabled",
     "end": ".end",
 }
 WAIT_MS = 120_000  # between two screens: clips, and their way here, take their time
 MAX_SAME = 6  # so often the same screen in a row is no progress
+CARD_PX = 324  # 85.6 mm at 96 CSS px per inch
 EVENT_NUMBER = 1_000_000  # beyond those that the page counts for itself
 
 
@@ -72,14 +73,22 @@ class PageRater:
         button = SCREENS[screen]
         if screen == "consent":
             button = "button[data-choice='0']"
+        elif screen == "card":
+            self._size_card()
         elif screen == "distance":
             with self._client() as client:
-                distance_mm = client.get("/api/study")["screen"]["distance_mm"]["default"]
+                distance_mm = client.get("/api/study")["screen"]["distance_mm"]["usual"]
             self._page.locator("#distance-cm").fill(f"{distance_mm / 10:g}")
             button = "form.distance .primary"
         pressed = self._page.locator(button).first.element_handle()
         pressed.click()
         pressed.wait_for_element_state("hidden")
+
+    def _size_card(self) -> None:
+        """Makes the drawn card as wide as a card on a screen of 96 CSS px per inch."""
+        edge = self._page.locator(".card-edge")
+        while (short_px := CARD_PX - int(edge.get_attribute("aria-valuenow") or "0")) > 0:
+            edge.press("PageUp" if short_px >= 20 else "ArrowRight")
 
     def _client(self) -> HttpClient:
         """Returns a line to the server in this visit's name."""

@@ -162,7 +162,7 @@ class Rater:
 
     def _screen(self, rules: dict[str, Any]) -> dict[str, Any]:
         """A screen that fits: refresh rate of the clips, distance for a density in the limits."""
-        distance = rules["distance_mm"]["default"] if rules["distance_mm"] else None
+        distance = rules["distance_mm"]["usual"] if rules["distance_mm"] else None
         if distance and rules["px_per_degree"]:
             per_mm = PX_PER_MM * 0.017454
             middle = sum(rules["px_per_degree"]) / 2 / per_mm

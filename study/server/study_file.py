@@ -42,8 +42,8 @@ class Study:
 
     path: Path
     name: str
-    title: str
-    contact: str
+    title: dict[str, str]  # by language
+    contact: dict[str, str]
     set: str
     languages: list[str]
     consent: dict[str, StudyText]
@@ -104,9 +104,9 @@ def load_study(path: Path) -> Study:
     source = YamlSource(path)
     top = Section(source, source.root)
     top.choice("schema", (SCHEMA,))
-    name, title, contact = top.name("name"), top.text("title"), top.text("contact")
-    set_name = top.name("set")
+    name, set_name = top.name("name"), top.name("set")
     languages = _read_languages(top)
+    title, contact = (_read_line(top, key, languages) for key in ("title", "contact"))
     trial = read_trial(top.section("trial"))
     screen = read_screen(top.section("screen")) if top.has("screen") else None
     questions = _read_questions(top, "questions", languages)
@@ -117,7 +117,10 @@ def load_study(path: Path) -> Study:
     links = top.choice("links", ("open", "required"), "open")
     exclude = read_exclude(top.section("exclude", required=False))
     analysis = read_analysis(top.section("analysis"), questions)
-    words = {"title": title or "", "contact": contact or ""}
+    words = {
+        language: {"title": title.get(language) or "", "contact": contact.get(language) or ""}
+        for language in languages
+    }
     notes = {
         language: data_note(language, screen, [*questions, *end_questions], links)
         for language in languages
@@ -220,11 +223,18 @@ def _read_languages(top: Section) -> list[str]:
     return top.take("languages", allowed, accept) or ["en"]
 
 
+def _read_line(top: Section, key: str, languages: Sequence[str]) -> dict[str, str]:
+    """Takes one text for all languages, or one for each."""
+    if isinstance(top.value.get(key), dict):
+        return top.localized(key, languages, "a text", lambda v: is_text(v, 500))
+    return dict.fromkeys(languages, top.text(key) or "")
+
+
 def _read_texts(
     top: Section,
     key: str,
     languages: Sequence[str],
-    words: dict[str, str],
+    words: dict[str, dict[str, str]],
     *,
     notes: dict[str, str] | None = None,
 ) -> dict[str, StudyText]:
@@ -243,7 +253,7 @@ def _read_texts(
         if file is None:
             continue
         at = top.source.path.parent / file
-        text, faults = read_text(at, words, note=notes[language] if notes else None)
+        text, faults = read_text(at, words[language], note=notes[language] if notes else None)
         for fault in faults:
             top.complain(key, f"{at}: {fault.message}", fault.hint)
         if text is not None:

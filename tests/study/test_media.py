@@ -107,6 +107,12 @@ def test_nothing_outside_the_page_and_the_clips_can_be_read(server: Server, path
     assert b"root:" not in body and b"SPDX" not in body
 
 
+def test_a_mistyped_address_is_answered_in_words(server: Server) -> None:
+    with server.client() as client:
+        reply = client.get("/studdy", headers={"accept": "text/html,*/*"})
+    assert reply.status_code == 404 and "open the link that you were given" in reply.text
+
+
 def get_page(dist: Path, path: str) -> httpx.Response:
     """Asks the routes of the page directly, with a folder of our own as the built page."""
     app = FastAPI()

@@ -354,6 +354,12 @@ def test_a_study_speaks_german(set_dir: Path, tmp_path: Path) -> None:
         assert page["language"] == "de" and english["language"] == "en"
         assert page["questions"][0]["prompt"].startswith("Wie realistisch")
         assert "Zufallscode" in page["consent"]["html"]
+        assert (page["title"], english["title"]) == (
+            "Wie echt bewegt es sich?",
+            "How real does it move?",
+        )
+        assert "die Person, die Sie eingeladen hat" in page["consent"]["html"]
+        assert "die Person" not in english["consent"]["html"]
         person = Person.arrive(server)
         form = page["consent"]
         agreed = person.agree(

@@ -48,7 +48,7 @@ def test_the_seed_study_asks_the_papers_questions() -> None:
         ("fun", "slider"),
         ("note", "comment"),
     ]
-    assert study.contact in study.consent["en"].html
+    assert study.contact["en"] in study.consent["en"].html
     assert "@" not in study.consent["en"].html  # no address is built in
 
 

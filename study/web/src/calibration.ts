@@ -5,7 +5,8 @@ import { focusTitle } from "./screens";
 import type { Texts } from "./texts";
 
 const CARD_MM = { width: 85.6, height: 53.98 }; // ID-1, ISO/IEC 7810
-const START_CSS_PX_PER_MM = 96 / 25.4; // what CSS calls a millimetre
+// Plainly too small on any screen, so that nobody takes the drawn size over as it stands.
+const START_CSS_PX_PER_MM = (0.6 * 96) / 25.4;
 const LIMITS_PX = { min: 100, max: 1000 };
 
 /** CSS pixels per millimetre, to half a pixel of the card's width; null where the participant has no card. */
@@ -15,6 +16,7 @@ export function calibrate(display: HTMLElement, texts: Texts, can_skip: boolean)
     let width = Math.min(widest, Math.round(CARD_MM.width * START_CSS_PX_PER_MM));
     const section = make("section", "card message calibration");
     const drawn = make("div", "bank-card");
+    const done = make("button", "button primary", texts.card_done);
     const edge = make("div", "card-edge");
     edge.tabIndex = 0;
     edge.setAttribute("role", "slider");
@@ -26,6 +28,7 @@ export function calibrate(display: HTMLElement, texts: Texts, can_skip: boolean)
     place.append(drawn);
 
     const setWidth = (wish: number): void => {
+      done.disabled &&= wish === width;
       width = Math.max(LIMITS_PX.min, Math.min(widest, wish));
       drawn.style.width = `${width}px`;
       drawn.style.height = `${(width * CARD_MM.height) / CARD_MM.width}px`;
@@ -48,7 +51,7 @@ export function calibrate(display: HTMLElement, texts: Texts, can_skip: boolean)
     });
 
     const row = make("div", "buttons");
-    const done = make("button", "button primary", texts.card_done);
+    done.disabled = true; // until the card was sized
     done.addEventListener("click", () => resolve(width / CARD_MM.width));
     row.append(done);
     if (can_skip) {

@@ -50,7 +50,7 @@ export interface ScreenRules {
   codec: { mime: string; probe: Clip } | null;
   fullscreen: "off" | "offer" | "require";
   calibration: "off" | "offer" | "require";
-  distance_mm: { ask: boolean; default: number; min: number; max: number } | null;
+  distance_mm: { min: number; max: number } | null;
   px_per_degree: [number, number] | null; // device pixels
 }
 

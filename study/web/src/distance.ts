@@ -4,11 +4,11 @@ import { make } from "./field";
 import { focusTitle } from "./screens";
 import type { Texts } from "./texts";
 
-/** Millimetres; limits and the value shown at first come from the study. */
+/** Millimetres; the limits come from the study. The field starts empty: a number that stands there would be taken over. */
 export function askDistance(
   display: HTMLElement,
   texts: Texts,
-  limits: { default: number; min: number; max: number },
+  limits: { min: number; max: number },
 ): Promise<number> {
   return new Promise((resolve) => {
     const min_cm = Math.ceil(limits.min / 10);
@@ -23,7 +23,6 @@ export function askDistance(
     input.min = String(min_cm);
     input.max = String(max_cm);
     input.step = "any";
-    input.value = String(Math.round(limits.default / 10));
     label.htmlFor = input.id;
     const wrong = make("p", "missing", texts.distanceWrong(min_cm, max_cm));
     wrong.id = "distance-wrong";

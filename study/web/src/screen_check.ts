@@ -37,7 +37,7 @@ export async function checkScreen(display: HTMLElement, study_page: StudyPage): 
     }
     const { distance_mm } = rules;
     if (distance_mm && (todo.has("distance") || todo.has("px_per_degree"))) {
-      size.distance_mm = distance_mm.ask ? await askDistance(display, texts, distance_mm) : distance_mm.default;
+      size.distance_mm = await askDistance(display, texts, distance_mm);
     }
     showMessage(display, texts, { title: texts.checking_title, text: texts.checking_text });
     const codec_plays = rules.codec && (await probeCodec(rules.codec.mime, rules.codec.probe, display));

@@ -26,8 +26,10 @@ const english = {
     return `Now the study itself begins: ${clips}. From here on there are no right or wrong answers; your impression counts.`;
   },
   feedback_title: (is_right: boolean): string => (is_right ? "That is right" : "Not quite"),
-  feedbackText: (is_right: boolean): string =>
-    is_right ? "You saw what this practice clip was made to show." : "This practice clip was made to show something else.",
+  feedbackText: (is_right: boolean, clips_each: number): string => {
+    const shown = clips_each > 1 ? "practice pair" : "practice clip";
+    return is_right ? `You saw what this ${shown} was made to show.` : `This ${shown} was made to show something else.`;
+  },
   rest_title: "Time for a short rest",
   restText: (done: number, total: number): string =>
     `You have done ${done} of ${total}. Look away from the screen for a moment and go on when you are ready.`,

@@ -25,8 +25,10 @@ export const german: Texts = {
     return `Jetzt beginnt die eigentliche Studie: ${clips}. Ab hier gibt es keine richtigen oder falschen Antworten; Ihr Eindruck zählt.`;
   },
   feedback_title: (is_right) => (is_right ? "Das stimmt" : "Nicht ganz"),
-  feedbackText: (is_right) =>
-    is_right ? "Sie haben gesehen, was dieser Übungsfilm zeigen sollte." : "Dieser Übungsfilm sollte etwas anderes zeigen.",
+  feedbackText: (is_right, clips_each) => {
+    const shown = clips_each > 1 ? "dieses Übungspaar" : "dieser Übungsfilm";
+    return is_right ? `Sie haben gesehen, was ${shown} zeigen sollte.` : `${shown[0]?.toUpperCase()}${shown.slice(1)} sollte etwas anderes zeigen.`;
+  },
   rest_title: "Zeit für eine kurze Pause",
   restText: (done, total) =>
     `Sie haben ${done} von ${total} geschafft. Schauen Sie einen Moment vom Bildschirm weg und machen Sie weiter, wenn Sie bereit sind.`,

@@ -74,7 +74,7 @@ export function makeTimeline(study_page: StudyPage): Timeline {
   const shownFeedback = when(() => feedback() !== null, [
     plain(() => {
       const is_right = feedback()?.correct ?? false;
-      return [texts.feedback_title(is_right), feedback()?.text ?? texts.feedbackText(is_right)];
+      return [texts.feedback_title(is_right), feedback()?.text ?? texts.feedbackText(is_right, clips_each)];
     }),
   ]);
 
