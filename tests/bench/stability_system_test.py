@@ -71,8 +71,10 @@ def test_a_killed_bench_looks_incomplete_and_goes_on(tmp_path: Path, bench: Comm
     assert not (out / "outcomes.csv").exists()
     assert not (out / "index.html").exists()
     whole = runs.read_text().count("\n") - 1
-    with runs.open("a") as stream:
-        stream.write("cut-off,row")  # as a kill in the middle of a row leaves it
+    last = rows_of(out / "predictions.csv")[-1]["inputs_sha256"]
+    row = runs.read_text().splitlines()[1].split(",")
+    with runs.open("a") as stream:  # a row that lacks only its end, as a kill may leave it
+        stream.write(",".join([last, *row[1:-1], "cut-off"]))
 
     done = bench(*SMALL, "-o", "maps", "-j", 2, "--json")
     found = json.loads(done.stdout)
