@@ -151,13 +151,16 @@ def move_slider(page: Page, track: Locator, value: int) -> None:
 def mark(page: Page, field: Locator, time_ms: float) -> None:
     """Plays the clip again and pauses it at about this time."""
     field.locator(".mark-buttons button").first.click()
+    buttons = page.locator(".stage-panel button")
+    buttons.first.wait_for()  # "pause": the clip has been wound back and plays
     page.locator(".stage video").first.evaluate(
         """(video, at) => new Promise((resolve) => {
-            const look = () => video.currentTime >= at || video.ended
+            const look = () => video.currentTime >= at || video.paused
                 ? (video.pause(), resolve()) : requestAnimationFrame(look);
             look();
         })""",
         time_ms / 1000,
     )
+    buttons.nth(1).wait_for()  # earlier, later, mark, …
     page.locator(".stage-panel .primary").click()
     page.locator(".stage").wait_for(state="detached")
