@@ -119,7 +119,7 @@ void advance_at_rest(Island& island, double end, double impact_at,
     const double remaining = end - island.time;
     if (!has_contact(island) || has_impact(island, remaining, impact_at, settings)) return;
     double step = std::min(remaining, straight_step(island, settings));
-    if (settings.wind) step = std::min(step, wind_step(island, *settings.wind));
+    if (settings.wind) step = wind_step(island, *settings.wind, settings.gravity, step);
     // Equal steps to the end.
     step = remaining / std::ceil(remaining / step - 1e-9);
     bool is_done = rest_step(island, step, settings);

@@ -358,7 +358,7 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
   const bool is_tethered = !island.tethers.empty();
   for (BodyState& body : island.bodies) body.other_acceleration = 0;
   if (is_tethered) step = std::min(step, tether_step(island, settings.gravity));
-  if (settings.wind) step = std::min(step, wind_step(island, *settings.wind));
+  if (settings.wind) step = wind_step(island, *settings.wind, settings.gravity, step);
   for (const LocalPair& local : island.pairs) {
     step = std::min(step, time_to_meet(local, island, step, settings));
   }

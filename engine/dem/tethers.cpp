@@ -21,6 +21,9 @@ constexpr double kRockingOfStep = 0.05;
 constexpr double kTurnOfStep = 0.03;
 // Error of length, as a share of it, at which a line counts as full or as held.
 constexpr double kFull = 1e-9, kHeld = 1e-14;
+// Iterations that gain less than this factor have met rounding.
+constexpr double kLeastGain = 0.5;
+constexpr double kRounding = 1e-11;
 constexpr int kMostIterations = 30;
 constexpr int kBisections = 40;
 
@@ -227,6 +230,7 @@ void drift_held(Island& island, double step) {
       impulses[r] = row.may_push ? 0 : 0.5 * step * island.tethers[row.tether].tension;
     }
     const Coupling held(island, rows);
+    double worst_before = std::numeric_limits<double>::infinity();
     for (int i = 0;; ++i) {
       pull(island, rows, impulses);
       for (int b = 0; b < island.num_free; ++b) drift_body(island.bodies[at(b)], step);
@@ -239,7 +243,9 @@ void drift_held(Island& island, double step) {
         const double scale = std::max(tether.length, island.bodies[at(tether.a)].reach);
         worst = std::max(worst, std::abs(errors[r]) / scale);
       }
-      if (worst <= kHeld || i == kMostIterations) break;
+      const bool is_rounding = worst <= kRounding && worst > kLeastGain * worst_before;
+      if (worst <= kHeld || is_rounding || i == kMostIterations) break;
+      worst_before = worst;
       impulses += held.solve(errors) / step;
       island.bodies = start;
     }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace verisim::dem {
@@ -18,33 +17,30 @@ constexpr double kShareOfStep = 0.02;
 // Turn (rad) of a body in one step, as its drag depends on how it lies.
 constexpr double kTurn = 0.1;
 
-AirLoad load_on_sphere(double radius, const Vector3d& through_air, const Wind& wind) {
+Vector3d load_on_sphere(double radius, const Vector3d& through_air, const Wind& wind) {
   const double speed = through_air.norm(), diameter = 2 * radius;
   const double area = std::numbers::pi * radius * radius;
-  AirLoad load;
   const bool is_turbulent = wind.density * speed * diameter >= kTurbulent * wind.viscosity;
-  if (is_turbulent) {
-    load.force = -0.5 * wind.density * kTurbulentDrag * area * speed * through_air;
-  } else {
-    const double reynolds = wind.density * speed * diameter / wind.viscosity;
-    load.force = -3 * std::numbers::pi * wind.viscosity * diameter *
-                 (1 + 0.15 * std::pow(reynolds, 0.687)) * through_air;
-  }
-  return load;
+  if (is_turbulent) return -0.5 * wind.density * kTurbulentDrag * area * speed * through_air;
+  const double reynolds = wind.density * speed * diameter / wind.viscosity;
+  return -3 * std::numbers::pi * wind.viscosity * diameter *
+         (1 + 0.15 * std::pow(reynolds, 0.687)) * through_air;
 }
 
-/// Bound on the share of a velocity that drag takes per time (1/s).
-double rate_of(const BodyState& body, const AirLoad& load, const Wind& wind) {
-  if (std::holds_alternative<SphereShape>(*body.shape)) {
-    const double speed = (body.velocity - wind.velocity).norm();
-    return speed > 0 ? 2 * load.force.norm() * body.inverse_mass / speed : 0;
+/// Bound on the share of its velocity through the air that drag takes from a body per time (1/s).
+double rate_of(const BodyState& body, const Vector3d& velocity, const Wind& wind) {
+  if (const auto* sphere = std::get_if<SphereShape>(body.shape)) {
+    const Vector3d through_air = velocity - wind.velocity;
+    const double speed = through_air.norm();
+    if (!(speed > 0)) return 0;
+    return 2 * load_on_sphere(sphere->radius, through_air, wind).norm() * body.inverse_mass / speed;
   }
   const double turning = body.inverse_inertia_b.trace();
   double rate = 0;
   for (const DragPatch& patch : *body.drag_patches) {
     const Vector3d arm = body.rotation * patch.position_b;
     const double into_air =
-        (body.rotation * patch.normal_b).dot(body.velocity + body.spin.cross(arm) - wind.velocity);
+        (body.rotation * patch.normal_b).dot(velocity + body.spin.cross(arm) - wind.velocity);
     if (into_air <= 0) continue;
     rate += wind.density * wind.drag_coefficient * patch.area * into_air *
             (body.inverse_mass + turning * arm.squaredNorm());
@@ -57,7 +53,7 @@ double rate_of(const BodyState& body, const AirLoad& load, const Wind& wind) {
 AirLoad air_load(const BodyState& body, const Vector3d& velocity, const Vector3d& spin,
                  const Wind& wind) {
   if (const auto* sphere = std::get_if<SphereShape>(body.shape)) {
-    return load_on_sphere(sphere->radius, velocity - wind.velocity, wind);
+    return {load_on_sphere(sphere->radius, velocity - wind.velocity, wind), Vector3d::Zero()};
   }
   AirLoad load;
   for (const DragPatch& patch : *body.drag_patches) {
@@ -72,16 +68,20 @@ AirLoad air_load(const BodyState& body, const Vector3d& velocity, const Vector3d
   return load;
 }
 
-double wind_step(Island& island, const Wind& wind) {
-  double step = std::numeric_limits<double>::infinity();
+double wind_step(Island& island, const Wind& wind, const Vector3d& gravity, double longest) {
+  double step = longest;
   for (int i = 0; i < island.num_free; ++i) {
     BodyState& body = island.bodies[static_cast<std::size_t>(i)];
     const AirLoad load = air_load(body, body.velocity, body.spin, wind);
-    const double rate = rate_of(body, load, wind);
     body.other_acceleration += load.force.norm() * body.inverse_mass +
                                (body.inverse_inertia * load.torque).norm() * body.reach;
-    if (rate <= 0) continue;
-    step = std::min(step, kShareOfStep / rate);
+    // The rate grows with the speed that gravity gives: (rate + growth h) h = share.
+    const double rate = rate_of(body, body.velocity, wind);
+    const double later = rate_of(body, body.velocity + longest * gravity, wind);
+    const double growth = std::max(0.0, later - rate) / longest;
+    const double root = rate + std::sqrt(rate * rate + 4 * growth * kShareOfStep);
+    if (!(root > 0)) continue;
+    step = std::min(step, 2 * kShareOfStep / root);
     const double spin = body.spin.norm();
     const bool is_round = std::holds_alternative<SphereShape>(*body.shape);
     if (!is_round && spin > 0) step = std::min(step, kTurn / spin);

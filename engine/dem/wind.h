@@ -23,9 +23,9 @@ struct AirLoad {
 AirLoad air_load(const BodyState& body, const Eigen::Vector3d& velocity,
                  const Eigen::Vector3d& spin, const Wind& wind);
 
-/// Longest step (s) over which drag changes the velocities of an island little. Sets the bodies'
-/// other_acceleration.
-double wind_step(Island& island, const Wind& wind);
+/// Longest step, at most `longest` (s), over which drag changes the velocities of an island little,
+/// also those that gravity gives on the way. Adds to the bodies' other_acceleration.
+double wind_step(Island& island, const Wind& wind, const Eigen::Vector3d& gravity, double longest);
 
 /// Changes the momenta by `duration` (s) of drag at fixed poses, second order; the books take the
 /// change of kinetic energy as work from outside. Half of it before and half after a step without

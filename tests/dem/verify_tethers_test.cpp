@@ -134,6 +134,24 @@ TEST_CASE("a_bob_leaves_its_circle_where_the_line_would_have_to_push") {
   CHECK(std::abs(angle - 120) < 0.1);  // measured 0.03
 }
 
+TEST_CASE("threads_change_no_bit_of_pendulums_in_the_wind") {
+  std::vector<Vector3d> ends[2];
+  for (const int threads : {1, 3}) {
+    WorldDefinition definition = free_world({}, 0.5, 0.5);
+    definition.gravity = {0, 0, -kGravity};
+    definition.wind = Wind{.velocity = {3, 1, 0}};
+    definition.num_threads = threads;
+    for (int i = 0; i < 5; ++i) {
+      definition.bodies.push_back(ball(0.02, 0.1 + 0.1 * i, {0.3 * i, 0.4, 10}));
+      definition.tethers.push_back({.body = i, .anchor = {0.3 * i, 0, 10}, .length = 0.41});
+    }
+    World world = make_world(definition);
+    run_steps(world, 60);
+    ends[threads == 1 ? 0 : 1] = world.bodies.position;
+  }
+  CHECK(ends[0] == ends[1]);
+}
+
 TEST_CASE("a_rod_on_a_joint_swings_with_the_period_of_a_physical_pendulum") {
   // Rod of length L pinned at its end: w^2 = m g (L/2) / (I + m L^2 / 4).
   const Vector3d edges(0.02, 0.02, 0.6);

@@ -86,6 +86,20 @@ TEST_CASE("a_sphere_in_quadratic_drag_nears_its_terminal_velocity_by_the_tanh_la
   check_books(watched);
 }
 
+TEST_CASE("a_leaf_let_go_in_still_air_does_not_overshoot_its_terminal_velocity") {
+  // Terminal velocity 5 cm/s: passed within 5 ms, a third of a frame, if nothing held it.
+  const double mass = 1.2 * 0.06 * 0.05 * 0.05 / (2 * kGravity);
+  const Watched watched = watch(windy(plate({0.3, 0.2, 1e-4}, mass, {0, 0, 0}), Wind{}), 0.1);
+  double fastest = 0;
+  for (const Pose& pose : watched.result.log.poses) {
+    fastest = std::max(fastest, pose.linear_velocity.norm());
+  }
+  tell("leaf: fastest, last", fastest, watched.end(0).linear_velocity.norm());
+  CHECK(fastest < 0.05 * 1.001);
+  CHECK(std::abs(watched.end(0).linear_velocity.norm() / 0.05 - 1) < 1e-3);  // measured 2e-5
+  check_books(watched);
+}
+
 TEST_CASE("a_plate_across_the_wind_feels_half_rho_c_a_v_squared") {
   // Edge on it feels its edge alone; at 60 degrees the normal part, squared, along its normal.
   const Vector3d edges(0.3, 0.2, 0.01);
