@@ -114,8 +114,10 @@ class PageRater:
         for question, answers in judged:
             for item, answer in answers.items():
                 give_answer(self._page, question, item, answer)
+        # This form's end is waited for, not that there is none: the next may come at once.
+        form = self._page.locator("form.questions").element_handle()
         self._page.locator("form.questions > .buttons .primary").click()
-        self._page.locator(SCREENS["form"]).wait_for(state="detached")
+        form.wait_for_element_state("hidden")
 
 
 def give_answer(page: Page, question: Question, item: str, answer: Answer) -> None:

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -50,6 +51,12 @@ def in_order(given: Iterable[Given]) -> list[Given]:
     return sorted(given, key=str)
 
 
+def in_own_thread(act: Callable[[], None]) -> None:
+    """Runs something that starts a Playwright of its own: a thread can hold only one."""
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(act).result()
+
+
 def run_raters(run: Run, num: int) -> None:
     """Runs the raters and notes each answer on its way into the page."""
     give = page_rater.give_answer
@@ -60,12 +67,14 @@ def run_raters(run: Run, num: int) -> None:
         give(page, question, item, answer)
 
     with patch.object(page_rater, "give_answer", note):
-        simulate_in_browser(
-            run.study,
-            run.clips,
-            run.db,
-            num,
-            seed=5,
-            on_progress=lambda *step: run.progress.append(step),
-            on_visit=run.visits.append,
+        in_own_thread(
+            lambda: simulate_in_browser(
+                run.study,
+                run.clips,
+                run.db,
+                num,
+                seed=5,
+                on_progress=lambda *step: run.progress.append(step),
+                on_visit=run.visits.append,
+            )
         )

@@ -87,9 +87,11 @@ class Participant:
         """Answers every question on the page at once; choice: position within each group."""
         self.page.evaluate(ANSWER_ALL, choice)
 
-    def submit(self) -> None:
-        self.press("Continue")
-        self.page.locator(FORM).wait_for(state="detached")
+    def submit(self, button: str = "Continue") -> None:
+        """Sends this form and returns when it has gone; the next one may be there by then."""
+        form = self.page.locator(FORM).element_handle()
+        self.press(button)
+        form.wait_for_element_state("hidden")
 
     def wait_for_screen(self) -> str:
         """Waits for the next screen that wants something: 'questions', 'text' or 'thanks'."""
@@ -112,37 +114,25 @@ class Participant:
                 i += 1
         return self.page.locator(".code").inner_text()
 
-    def go_through(self) -> int:
-        """Takes part in any study, from consent to the last page; returns the number of forms."""
+    def go_through(self) -> None:
+        """Takes part in a study without a screen check, from consent to the last page."""
         num_forms = 0
-        screens = {
-            "form": FORM,
-            "consent": "button[data-choice='1']",
-            "card": ".bank-card",
-            "distance": "#distance-cm",
-            "text": f"{TEXT_SCREEN}, .text .primary",
-            "end": ".end",
-        }
+        screens = {"form": FORM, "consent": "button[data-choice='1']", "text": TEXT_SCREEN}
         while True:
-            self.page.locator(", ".join(screens.values())).first.wait_for()
+            self.page.locator(", ".join([*screens.values(), ".end"])).first.wait_for()
+            if self.page.locator(".end").count():
+                return
             screen = next(it for it, where in screens.items() if self.page.locator(where).count())
-            title = self.page.get_by_role("heading").first
-            before = title.inner_text()
-            if screen == "end":
-                return num_forms
             if screen == "form":
                 self.wait_for_questions()
                 self.answer_anything(num_forms % 2)
                 self.submit()
                 num_forms += 1
                 continue
-            if screen == "consent":
-                self.page.locator("button[data-choice='0']").click()
-            elif screen == "text" and self.page.get_by_role("button", name="Stay").count():
-                self.press("Stay in the window")
-            else:
-                self.page.locator(".primary:enabled").first.click()
-            self.page.get_by_role("heading", name=re.escape(before)).wait_for(state="detached")
+            button = "button[data-choice='0']" if screen == "consent" else TEXT_SCREEN
+            pressed = self.page.locator(button).first.element_handle()
+            pressed.click()
+            pressed.wait_for_element_state("hidden")
 
     def num_undelivered(self) -> int:
         """Letters in the browser's outbox."""

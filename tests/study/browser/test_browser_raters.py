@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from browser_runs import Run, in_order, run_raters
+from browser_runs import Run, in_order, in_own_thread, run_raters
 from mini_clips import write_set
 from study_site import STUDY, TEXTS
 
@@ -43,7 +43,9 @@ def test_a_broken_run_goes_on_with_the_raters_that_are_missing(
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        simulate_in_browser(run.study, run.clips, run.db, 2, 5, on_progress=break_off)
+        in_own_thread(
+            lambda: simulate_in_browser(run.study, run.clips, run.db, 2, 5, on_progress=break_off)
+        )
     states = "SELECT state, count(*) FROM participant GROUP BY state ORDER BY state"
     assert run.rows(states) == [("active", 1), ("completed", 1)]
 
@@ -71,8 +73,9 @@ def test_a_page_that_asks_elsewhere_is_no_success(
     del page_build
     picture = "# {title}\n\n![logo](https://example.org/logo.png)\n\nVersion: 1\n"
     study = write_mini(tmp_path, consent=picture)
+    run = Run(study, clips, tmp_path / "study.db")
     with pytest.raises(StudyError, match=r"the page complained to rater 0: .*example.org"):
-        simulate_in_browser(study, clips, tmp_path / "study.db", 1, 5)
+        run_raters(run, 1)
 
 
 def test_without_playwright_the_command_says_what_to_install(

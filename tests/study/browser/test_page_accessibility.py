@@ -78,8 +78,9 @@ def test_the_keyboard_alone_is_enough(visit: Visit, study_server: StudyServer) -
         keys.press("ArrowLeft")
         keys.press("Tab")
         keys.type("typed 7")  # digits in the comment answer nothing
+        form = one.page.locator(FORM).element_handle()
         press_focused("Continue")
-        one.page.locator(FORM).wait_for(state="detached")
+        form.wait_for_element_state("hidden")
         expected.append({"realism": 6, "speed": 3, "fun": 59, "why": "typed 7"})
         assert len(expected) == i + 1
     one.page.locator(".code").wait_for()

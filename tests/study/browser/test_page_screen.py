@@ -9,7 +9,7 @@ import math
 import pytest
 from axe import findings
 from mini_studies import ROOM_ONLY, with_screen
-from page_participant import Participant
+from page_participant import FORM, Participant
 from playwright.sync_api import Browser, expect
 from study_site import StudyServer, Visit
 
@@ -29,7 +29,11 @@ Object.defineProperty(HTMLMediaElement.prototype, 'src', {set() {
 
 def calibrate(one: Participant, distance_cm: str = "60", before_check: str = "0") -> None:
     """Tells the size of the screen by the keyboard; before_check: run before the page looks."""
-    one.page.get_by_role("slider", name="Width of the drawn card").press("ArrowRight")
+    edge = one.page.get_by_role("slider", name="Width of the drawn card")
+    expect(one.page.get_by_role("button", name="It has the same size")).to_be_disabled()
+    for key in ["PageUp"] * 6 + ["Shift+ArrowRight"]:
+        edge.press(key)
+    assert edge.get_attribute("aria-valuenow") == "324"  # a card at 96 CSS px per inch
     one.press("It has the same size")
     distance = one.page.get_by_label("Distance in centimetres")
     distance.fill(distance_cm)
@@ -88,8 +92,7 @@ def test_a_screen_is_measured_and_full_screen_is_kept(
     one.wait_for_questions()
     one.answer_anything()
     one.submit()
-    one.page.locator("form.questions").wait_for(state="detached")
-    one.page.locator(".stage").wait_for()  # the next clip comes once the answer is stored
+    one.page.locator(f".stage, {FORM}").first.wait_for()  # what comes once the answer is stored
     shown = study_server.rows("SELECT fullscreen, scale FROM presentation")
     assert shown == [{"fullscreen": 1, "scale": 4}] * 2
     assert found == {screen: [] for screen in found}
