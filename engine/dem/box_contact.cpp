@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "dem/surface_contact.h"
 
@@ -24,6 +25,10 @@ constexpr double kLeastEdgeAngle = 1e-3;
 constexpr double kParallelFaces = 0.985;
 // Faces closer to parallel than this (1 - cosine, a thousandth of a radian) share one normal.
 constexpr double kOneNormal = 5e-7;
+// Edges of two faces that cross at less than this angle (rad) count as parallel.
+constexpr double kLeastCrossing = 0.05;
+// And where their common normal leans away from the face's by more than this cosine.
+constexpr double kSteepestCrossing = 0.5;
 
 struct Box {
   const BodyState& body;
@@ -165,26 +170,25 @@ class CornerNormals {
     is_one_normal_ = facing_.dot(outward) > 1 - kOneNormal;
   }
 
-  Vector3d at(const Corner& corner) const {
+  /// None where two edges cross that are all but parallel: such a crossing runs along them at the
+  /// least turn, and the corners at their ends hold what it would.
+  std::optional<Vector3d> at(const Corner& corner) const {
     const bool in_is_other = corner.in < 4, out_is_other = corner.out < 4;
-    if (is_one_normal_ || (in_is_other && out_is_other)) return outward_;
-    if (!in_is_other && !out_is_other) return nearly(facing_);
+    if (in_is_other && out_is_other) return outward_;
+    if (!in_is_other && !out_is_other) return is_one_normal_ ? outward_ : facing_;
     const int edge = in_is_other ? corner.in : corner.out;
     const int side = (in_is_other ? corner.out : corner.in) - 4;
     const Vector3d rim = reference_.axis((axis_ + 2 - side / 2) % 3);
-    Vector3d common = rim.cross(other_.axis((other_axis_ + 1 + edge % 2) % 3));
+    const Vector3d common = rim.cross(other_.axis((other_axis_ + 1 + edge % 2) % 3));
+    const double along = common.dot(outward_);
+    if (std::abs(along) < kLeastCrossing) return std::nullopt;
+    if (is_one_normal_) return outward_;
     const double size = common.norm();
-    if (size < kLeastEdgeAngle) return outward_;
-    common /= common.dot(outward_) < 0 ? -size : size;
-    return nearly(common);
+    if (std::abs(along) < kSteepestCrossing * size) return std::nullopt;
+    return Vector3d(common / (along < 0 ? -size : size));
   }
 
  private:
-  /// Edges that are all but parallel have any common normal: none of use.
-  Vector3d nearly(const Vector3d& normal) const {
-    return normal.dot(outward_) > kParallelFaces ? normal : outward_;
-  }
-
   const Box &reference_, &other_;
   int axis_, other_axis_;
   Vector3d outward_, facing_;
@@ -214,7 +218,9 @@ void add_face_points(const Box& reference, const Box& other, const Separation& w
   const CornerNormals normals(reference, other, k, face, outward);
   for (int c = 0; c < polygon.count; ++c) {
     const Corner& corner = polygon.corners[static_cast<std::size_t>(c)];
-    add(corner.place, normals.at(corner), face_point_id(widest.axis, face, corner.in, corner.out));
+    const std::optional<Vector3d> normal = normals.at(corner);
+    if (!normal) continue;
+    add(corner.place, *normal, face_point_id(widest.axis, face, corner.in, corner.out));
   }
   if (!found.points.empty() || widest.gap >= 0 || !is_sure) return;
   // Overlapping, yet no corner over the face: the corner that reaches farthest in holds.

@@ -90,7 +90,7 @@ double keep_springs(const std::vector<ContactPoint>& old, double same_place, boo
   }
   for (ContactPoint& point : pair.points) {
     if (const auto it = known(point.id); it != old.end()) {
-      inherit(*it, same_axis, point);
+      inherit(*it, true, point);
       knows_any = true;
       continue;
     }
@@ -125,7 +125,8 @@ bool are_same(const std::vector<ContactPoint>& points, const std::vector<FoundPo
 
 }  // namespace
 
-double look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin) {
+double look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin,
+               double elapsed) {
   thread_local Found found;
   thread_local std::vector<ContactPoint> old;
   ContactPair& pair = local.pair;
@@ -151,12 +152,13 @@ double look_at(LocalPair& local, const std::vector<BodyState>& bodies, double ma
   pair.points.clear();
   for (const FoundPoint& point : found.points) pair.points.push_back(point_from(point));
   if (old.empty()) return 0;
+  for (ContactPoint& point : old) point.depth += elapsed * closing_speed(local, bodies, point);
   const double same_place = kSamePlace * std::min(a.size, b.size > 0 ? b.size : a.size);
   return keep_springs(old, same_place, same_axis, pair);
 }
 
-void look_and_book(LocalPair& local, Island& island, double margin) {
-  island.books.damping_work += look_at(local, island.bodies, margin);
+void look_and_book(LocalPair& local, Island& island, double margin, double elapsed) {
+  island.books.damping_work += look_at(local, island.bodies, margin, elapsed);
 }
 
 double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodies,

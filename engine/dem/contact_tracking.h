@@ -9,10 +9,12 @@ namespace verisim::dem {
 /// Looks at a pair anew. Points that are known again keep their springs; points that appear under
 /// the surface of a pair that already touches are born without force (offset = depth); if no point
 /// is known again, the new ones share the old load, without gain of energy. Returns the energy (J)
-/// of springs that nobody takes over.
-double look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin);
+/// of springs that nobody takes over. `elapsed`: time (s) since the last look, over which points
+/// that are not found again went on at the present velocities.
+double look_at(LocalPair& local, const std::vector<BodyState>& bodies, double margin,
+               double elapsed = 0);
 /// The same; the island's books take the energy.
-void look_and_book(LocalPair& local, Island& island, double margin);
+void look_and_book(LocalPair& local, Island& island, double margin, double elapsed = 0);
 
 /// Speed (m/s) at which the bodies approach each other at a point; < 0: they part.
 double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodies,

@@ -25,6 +25,19 @@ constexpr double kTouchDown = 1e-3;
 // Longest time over which a pair's load is averaged (s).
 constexpr double kLoadMemory = 0.02;
 
+// Inverse mass of a body at a point of its surface over that at its centre, of any solid shape.
+constexpr double kMostLever = 8;
+
+/// Inverse of the mass (1/kg) that two bodies present to each other at a point, along its normal.
+double inverse_mass_at(const ContactPoint& point, const BodyState& a, const BodyState& b) {
+  const auto of = [&](const BodyState& body) {
+    if (!body.is_free()) return 0.0;
+    const Vector3d arm = (point.place - body.position).cross(point.normal);
+    return body.inverse_mass + arm.dot(body.inverse_inertia * arm);
+  };
+  return of(a) + of(b);
+}
+
 BodyState& body_a(Island& island, const LocalPair& local) {
   return island.bodies[static_cast<std::size_t>(local.a)];
 }
@@ -194,9 +207,14 @@ void apply(LocalPair& local, ContactPoint& point, const Touching& touching, doub
                                             inverse_mass, settings.contact_law);
   const double k = spring.stiffness;
   // The damping alone is taken implicitly, with all points of the pair acting on the same mass.
-  const double damping =
-      k * spring.relaxation /
-      (1 + 0.5 * drift * touching.num_points * k * spring.relaxation * inverse_mass);
+  double damping = k * spring.relaxation /
+                   (1 + 0.5 * drift * touching.num_points * k * spring.relaxation * inverse_mass);
+  if (damping * drift * inverse_mass * std::max(1.5 * touching.num_points, kMostLever) > 2) {
+    // A corner far from the centre of mass is lighter than the bodies: no damper may turn it round.
+    const double lightest =
+        std::max(1.5 * touching.num_points * inverse_mass, inverse_mass_at(point, a, b));
+    damping = std::min(damping, 2 / (drift * lightest));
+  }
   const double load = std::max(0.0, spring.force + damping * closing);
   const double damped = load - spring.force;
   const Vector3d sliding = velocity + closing * n;
@@ -389,7 +407,7 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
     if (!local.pair.is_touching) continue;
     const Approach approach = fastest_approach(local, island, settings.gravity);
     const double margin = 2 * step * (approach.speed + step * approach.acceleration);
-    look_and_book(local, island, std::max(settings.impact_depth, margin));
+    look_and_book(local, island, std::max(settings.impact_depth, margin), step);
   }
   evaluate_contact_forces(island, step, settings);
   kick(island, 0.5 * step, settings.gravity);

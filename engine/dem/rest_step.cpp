@@ -22,7 +22,9 @@ constexpr double kUnseenRise = 1e-3;
 constexpr double kMostStiffening = 100, kMostStiffeningInImpact = 4;
 constexpr int kPile = 100;  // free bodies
 constexpr int kMostSolves = 5;
-constexpr double kImpactDepth = 20;  // depths of rest that an impact may press them in
+// Depths of rest that an impact may press in a spring, and one that holds something already: that
+// one keeps what it is stiffened by as an offset.
+constexpr double kImpactDepth = 4, kPressedImpactDepth = 20;
 // Load of a spring, of what presses it in by the depth of rest, beyond which it is stiffened and
 // below which it may soften. Wide apart, so that a load that swings a little moves neither.
 constexpr double kOverload = 1.5, kUnderload = 0.3;
@@ -117,15 +119,19 @@ bool stiffen_overloaded(RestProblem& problem, Island& island, const ContactSetti
   for (std::size_t first = 0; first < rows.size();) {
     LocalPair& local = *rows[first].local;
     double load = 0, fastest = 0;
+    bool is_pressed = false;
     std::size_t r = first;
     for (; r < rows.size() && rows[r].local == &local; ++r) {
       load = std::max(load, rows[r].load / rows[r].point->weight);
       const Vector3d u = problem.relative_velocity(rows[r], problem.start_velocities());
       if (rows[r].load > 0) fastest = std::max(fastest, -rows[r].normal.dot(u));
+      is_pressed = is_pressed || rows[r].compression > 0;
     }
-    const bool is_impact = fastest > least_impact_speed(settings);
-    const double most = is_impact ? kMostStiffeningInImpact : kMostStiffening;
-    const double depth = is_impact ? kImpactDepth * settings.rest_depth : settings.rest_depth;
+    double most = kMostStiffening, depth = settings.rest_depth;
+    if (fastest > least_impact_speed(settings)) {
+      depth *= is_pressed ? kPressedImpactDepth : kImpactDepth;
+      if (is_pressed) most = kMostStiffeningInImpact;
+    }
     first = r;
     const double k = local.pair.stiffness;
     if (load <= kOverload * k * depth) continue;
@@ -253,8 +259,9 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
     ContactPair& pair = local.pair;
     double fastest = 0, aim = 0;
     bool is_loaded = false;
-    for (const ContactPoint& point : pair.points) {
+    for (ContactPoint& point : pair.points) {
       aim = std::max({aim, point.expected, point.depth});
+      point.depth = point.expected;
       if (point.load <= 0) continue;
       is_loaded = true;
       fastest = std::max(fastest, std::abs(closing_speed(local, island.bodies, point)));
