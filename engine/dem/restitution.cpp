@@ -9,6 +9,7 @@ namespace verisim::dem {
 namespace {
 
 constexpr int kBisections = 60;
+constexpr double kGrowth = 1.1;  // of the search for the root
 
 /// Root of a rising or falling function with a sign change in (low, high).
 template <class Function>
@@ -50,7 +51,17 @@ double discrete_restitution(double factor, int steps) {
 double calibrated_factor(double restitution, int steps) {
   const double e = std::clamp(restitution, kLeastRestitution, 1.0);
   if (e >= 1) return 0;
-  return bisect(0, 4 / e, [&](double d) { return discrete_restitution(d, steps) < e; });
+  // Far above the root an implicit damper pushes back and the restitution rises again: the first
+  // interval that holds the root, or where the restitution is least if it never falls to e.
+  double low = 0, high = 1, least = 1;
+  for (double now = discrete_restitution(high, steps); now >= e;) {
+    if (now >= least) return low;
+    least = now;
+    low = high;
+    high *= kGrowth;
+    now = discrete_restitution(high, steps);
+  }
+  return bisect(low, high, [&](double d) { return discrete_restitution(d, steps) < e; });
 }
 
 }  // namespace verisim::dem

@@ -132,10 +132,10 @@ TEST_CASE("the_calibrated_factor_makes_the_discrete_impact_exact") {
   }
   tell("discrete restitution", worst);
   CHECK(worst < 1e-12);  // measured 7e-17
-  // Target: the same with ten steps. Not met: below e 0.1 no factor gives it, and the largest that
-  // is tried returns 0.69.
+  // Coarse steps have a least restitution: as near as they come.
+  CHECK(discrete_restitution(calibrated_factor(0.02, 20), 20) < 0.025);  // measured 0.0247
   CHECK(std::abs(discrete_restitution(calibrated_factor(0.1, 10), 10) - 0.1) < 1e-12);
-  CHECK(discrete_restitution(calibrated_factor(0.05, 10), 10) < 0.7);
+  CHECK(discrete_restitution(calibrated_factor(0.05, 10), 10) < 0.1);  // measured 0.096
   // Many steps: the continuous law.
   CHECK(calibrated_factor(0.5, 4000) == doctest::Approx(hunt_crossley_factor(0.5)).epsilon(1e-3));
 }
