@@ -18,18 +18,20 @@ struct SurfacePoint {
   double weight;
 };
 
-/// A run of neighbouring points and a ball that holds them, to pass over them all at once.
+/// A run of neighbouring points and a ball that holds them, to pass over them all at once. Blocks
+/// of more than 32 points are halved into the blocks that follow them.
 struct SurfaceBlock {
   int first;
-  int count;                 // 1 to 32
+  int count;
   Eigen::Vector3d centre_b;  // m
   double radius;             // m
+  int next;                  // block after this one and its parts
 };
 
 struct MeshSurface {
   DistanceField field;
   std::vector<SurfacePoint> points;  // sorted into blocks
-  std::vector<SurfaceBlock> blocks;  // cover all points in order
+  std::vector<SurfaceBlock> blocks;  // a block before its parts; the smallest cover all in order
   double reference_length = 0;       // m, of the weights: a quarter of the smallest extent
   double reach = 0;                  // m, from the centre of mass to the farthest vertex
 };

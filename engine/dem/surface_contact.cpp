@@ -78,16 +78,23 @@ template <class DistanceOf>
 void add_surface_points(const BodyState& sampled, const MeshSurface& surface, double margin,
                         std::uint64_t id_of_side, double push_sign, const DistanceOf& distance_of,
                         Found& found) {
-  for (const SurfaceBlock& block : surface.blocks) {
+  const int num_blocks = static_cast<int>(surface.blocks.size());
+  for (int b = 0; b < num_blocks;) {
+    const SurfaceBlock& block = surface.blocks[static_cast<std::size_t>(b)];
+    const bool has_parts = block.next > b + 1;
     const Vector3d centre = sampled.position + sampled.rotation * block.centre_b;
     const Distance far = distance_of(centre);
-    if (far.value - block.radius >= margin) {
-      if (far.value - block.radius < found.gap) {
-        found.gap = far.value - block.radius;
+    const double nearest = far.value - block.radius;
+    if (nearest >= margin && (!has_parts || nearest >= found.gap)) {
+      if (nearest < found.gap) {
+        found.gap = nearest;
         found.normal = push_sign * far.direction;
       }
+      b = block.next;
       continue;
     }
+    ++b;
+    if (has_parts) continue;
     for (int i = block.first; i < block.first + block.count; ++i) {
       const SurfacePoint& point = surface.points[static_cast<std::size_t>(i)];
       const Vector3d p = sampled.position + sampled.rotation * point.position_b;

@@ -41,7 +41,7 @@ std::vector<dem::SurfacePoint> weighted_points(const std::vector<shape::SurfaceS
 dem::SurfaceBlock block_around(const std::vector<dem::SurfacePoint>& points, int first, int count) {
   Eigen::AlignedBox3d box;
   for (int n = first; n < first + count; ++n) box.extend(points[n].position_b);
-  dem::SurfaceBlock block{first, count, box.center(), 0};
+  dem::SurfaceBlock block{first, count, box.center(), 0, 0};
   for (int n = first; n < first + count; ++n) {
     block.radius = std::max(block.radius, (points[n].position_b - block.centre_b).norm());
   }
@@ -49,14 +49,14 @@ dem::SurfaceBlock block_around(const std::vector<dem::SurfacePoint>& points, int
 }
 
 // Halves the points across their longest extent, at a multiple of the block size, until each part
-// is a block.
+// is a smallest block.
 void sort_into_blocks(dem::MeshSurface& surface, int first, int end) {
   std::vector<dem::SurfacePoint>& points = surface.points;
   const int count = end - first;
-  if (count <= kBlockSize) {
-    surface.blocks.push_back(block_around(points, first, count));
-    return;
-  }
+  const std::size_t block = surface.blocks.size();
+  surface.blocks.push_back(block_around(points, first, count));
+  surface.blocks[block].next = static_cast<int>(block) + 1;
+  if (count <= kBlockSize) return;
   Eigen::AlignedBox3d box;
   for (int n = first; n < end; ++n) box.extend(points[n].position_b);
   int axis = 0;
@@ -68,6 +68,7 @@ void sort_into_blocks(dem::MeshSurface& surface, int first, int end) {
   const int middle = first + num_blocks / 2 * kBlockSize;
   sort_into_blocks(surface, first, middle);
   sort_into_blocks(surface, middle, end);
+  surface.blocks[block].next = static_cast<int>(surface.blocks.size());
 }
 
 }  // namespace
