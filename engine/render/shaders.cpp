@@ -36,6 +36,7 @@ constexpr const char* kSunlit = R"(
 uniform sampler2DShadow shadow_map;
 uniform vec2 shadow_tap;  // distance of a tap from the middle, shares of the map
 float sunlit(vec3 p) {
+  p.z = min(p.z, 1.0);  // farther than the map reaches: lit, as a map of floats would not have it
   return 0.5 * (texture(shadow_map, vec3(p.xy - shadow_tap, p.z)) +
                 texture(shadow_map, vec3(p.xy + shadow_tap, p.z)));
 }

@@ -23,7 +23,7 @@ def test_a_tower_on_whole_faces_buckles_at_the_published_depth(boxes: int, perce
 
 
 def test_the_seed_crushes_where_the_weight_presses_particles_in_whole() -> None:
-    # The box_stack scene: 16 particles of 0.05 m under 62 N are at their limit at 78 N/m.
+    # Three boxes on a face of 16 particles of 0.05 m, under 62 N: at their limit at 78 N/m.
     stiffness = limits.crush_stiffness(62.1, 16, 0.05)
     assert stiffness == pytest.approx(78, abs=0.5)  # measured 77.6
     assert limits.relative_stiffness(16, stiffness, 0.05, 62.1) == pytest.approx(1)

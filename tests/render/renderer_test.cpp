@@ -157,6 +157,15 @@ TEST_CASE("the_ground_hides_what_is_below_it") {
   CHECK(difference(still, background, picture_of(still)).num_pixels > 500);
 }
 
+TEST_CASE("what_fell_through_the_ground_casts_no_shadow_on_it") {
+  const Pixels background = picture_of(empty_still());
+  for (const double height : {-0.5, -1.0, -2.0, -4.0, -8.0}) {
+    Still still = empty_still();
+    still.add_ball(0.15, {0.3, 0.2, height});
+    CHECK(difference(still, background, picture_of(still)).num_pixels == 0);
+  }
+}
+
 TEST_CASE("ground_tiles_have_the_stated_size") {
   Still still = empty_still();
   // Straight down from 2 m: one tile of 0.25 m spans height / (2 * 2 m * tan 20 deg) * 0.25 m.
