@@ -94,6 +94,7 @@ void book_impulse(Balance& balance, double duration) {
 
 void count_step(Balance& balance) {
   balance.overlap_total += balance.contacts.overlap;
+  balance.squared_overlap_total += balance.contacts.squared_overlap;
   balance.contacts_total += static_cast<double>(balance.contacts.num_contacts);
   balance.max_overlap = std::max(balance.max_overlap, balance.contacts.max_overlap);
   balance.max_contacts = std::max(balance.max_contacts, balance.contacts.num_contacts);

@@ -78,6 +78,7 @@ struct Balance {
 
   // Over all evaluations, for the mean.
   double overlap_total = 0;
+  double squared_overlap_total = 0;
   double contacts_total = 0;
 
   ContactSums contacts;                     // of the last evaluation

@@ -18,6 +18,13 @@ struct PairLaw {
   double mindlin = 0;           // tangential over normal stiffness (Mindlin)
 };
 
+/// The places of two bodies that gripped each other when a point last slid or began.
+struct Anchor {
+  Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::Zero();  // m, body frames
+  Eigen::Vector3d stretch_b = Eigen::Vector3d::Zero();                       // m, of then
+  bool holds = false;
+};
+
 /// One spring between two surfaces. Its energy is stiffness/2 (depth - offset)^2 along the normal
 /// and tangential stiffness/2 |stretch|^2 across it.
 struct ContactPoint {
@@ -34,6 +41,8 @@ struct ContactPoint {
   double load = 0;                                      // N, last normal force
   double expected = 0;  // m, depth that the last implicit step aimed at
   bool is_touching = false;
+  bool has_slid = false;  // since the anchor was set
+  Anchor anchor;          // see anchor_creep.h
 };
 
 struct ContactPair {

@@ -39,6 +39,8 @@ void inherit(const ContactPoint& old, bool same_axis, ContactPoint& point) {
   point.load = old.load;
   point.expected = old.expected;
   point.is_touching = old.is_touching;
+  point.has_slid = old.has_slid;
+  point.anchor = old.anchor;
 }
 
 /// Energy (J) of a point's normal spring.
@@ -168,13 +170,23 @@ double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodie
   return -point.normal.dot(a.velocity_at(point.place) - b.velocity_at(point.place));
 }
 
-void record_event(Island& island, const ContactPair& pair, ContactChange change, double speed) {
+void record_event(Island& island, const LocalPair& local, ContactChange change, double speed) {
+  const ContactPair& pair = local.pair;
   ContactEvent event;
   event.change = change;
   event.time = island.time;
   event.body_a = pair.a;
   event.body_b = pair.b;
   event.speed = speed;
+  const auto nearest = std::max_element(
+      pair.points.begin(), pair.points.end(),
+      [](const ContactPoint& p, const ContactPoint& q) { return p.depth < q.depth; });
+  if (nearest != pair.points.end()) {
+    const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
+    const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
+    const Vector3d velocity = a.velocity_at(nearest->place) - b.velocity_at(nearest->place);
+    event.sliding_speed = (velocity - nearest->normal.dot(velocity) * nearest->normal).norm();
+  }
   island.books.events.push_back(event);
 }
 
@@ -255,7 +267,7 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
     for (ContactPoint& point : pair.points) {
       point.offset = point.depth > tolerance ? point.depth : 0;
     }
-    record_event(island, pair, ContactChange::kBegin, fastest);
+    record_event(island, local, ContactChange::kBegin, fastest);
   } else if (pair.is_touching && deepest <= 0 && (!is_near || fastest < 0)) {
     pair.is_touching = false;
     for (ContactPoint& point : pair.points) {
@@ -266,7 +278,7 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
       point.load = 0;
       point.is_touching = false;
     }
-    record_event(island, pair, ContactChange::kEnd, parting);
+    record_event(island, local, ContactChange::kEnd, parting);
   }
 }
 

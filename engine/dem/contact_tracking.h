@@ -26,7 +26,7 @@ void update_contact(LocalPair& local, Island& island, const ContactSettings& set
                     double tolerance);
 
 /// A contact of the pair begins or ends now, at `speed` (m/s; see ContactEvent).
-void record_event(Island& island, const ContactPair& pair, ContactChange change, double speed);
+void record_event(Island& island, const LocalPair& local, ContactChange change, double speed);
 
 /// A stored stretch (m) turned into the plane across `normal`, its length kept.
 Eigen::Vector3d turned_into_plane(Eigen::Vector3d stretch, const Eigen::Vector3d& normal);

@@ -250,6 +250,7 @@ void apply(LocalPair& local, ContactPoint& point, const Touching& touching, doub
   island.books.elastic_energy += spring.energy + sheared;
   island.books.shear_energy += sheared;
   island.books.overlap_total += point.depth;
+  island.books.squared_overlap_total += point.depth * point.depth;
   island.books.num_overlaps += 1;
   island.books.max_overlap = std::max(island.books.max_overlap, point.depth);
 }

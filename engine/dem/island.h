@@ -33,7 +33,7 @@ struct IslandBooks {
   double impulse_size = 0, angular_impulse_size = 0;
   double elastic_energy = 0;  // J, at the end
   double shear_energy = 0;    // J, the tangential part
-  double overlap_total = 0, num_overlaps = 0, max_overlap = 0;
+  double overlap_total = 0, squared_overlap_total = 0, num_overlaps = 0, max_overlap = 0;
   double least_step = 0;  // s
   long num_steps = 0, num_rest_steps = 0, max_contacts = 0;
   long num_newton_steps = 0, num_refused_steps = 0;  // of implicit steps

@@ -20,12 +20,16 @@ struct WorkSplit {
 struct Metrics {
   double max_penetration_m = 0;              // deepest overlap of any contact
   double mean_penetration_m = 0;             // over all contacts of all steps
+  double rms_penetration_m = 0;              // the same
+  double max_penetration_rel = 0;            // of the smallest extent of the smallest free body
+  double anchor_creep_m = 0;                 // method dem; largest of any contact that stuck
   double energy_start_j = 0;                 // kinetic + potential + elastic
   double energy_end_j = 0;                   //
   double kinetic_energy_j = 0;               // at the end
   double potential_energy_j = 0;             // at the end
   double elastic_energy_j = 0;               // at the end
   double damping_work_j = 0;                 // taken out by the normal dashpots
+  double implicit_work_j = 0;                // the part of it that implicit steps took
   double friction_work_j = 0;                // taken out by the tangential force
   double outside_work_j = 0;                 // put in by drag, prescribed motion and live edits
   double energy_residual_rel = 0;            // |sum of the balance| / energy_scale_j
@@ -49,6 +53,7 @@ struct ContactEvent {
   int body_b = -1;   // > body_a; -1 if the other side is a plane
   int plane = -1;    // index; -1 if the other side is a body
   double speed = 0;  // m/s along the normal: of approach at the begin, of separation at the end
+  double sliding_speed = -1;  // m/s across it; method dem
 };
 
 /// Why a run is not to be trusted. Codes: nonfinite, energy_gain, penetration, pass_through; and,

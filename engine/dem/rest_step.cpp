@@ -188,7 +188,10 @@ double move(RestProblem& problem, Island& island, double h, const ContactSetting
     Vector3d stretch = row.stretch + h * (u_end - n.dot(u_end) * n);
     const double limit =
         std::min(row.bound, row.friction * row.stiffness * std::max(0.0, after)) / row.shear;
-    if (stretch.norm() > limit) stretch *= limit / stretch.norm();
+    if (stretch.norm() > limit) {
+      stretch *= limit / stretch.norm();
+      row.point->has_slid = true;
+    }
     books.friction_work -= h * row.tangential.dot(u_mean);
     row.stretch = stretch;
     row.point->load = row.load;
@@ -267,7 +270,7 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
       fastest = std::max(fastest, std::abs(closing_speed(local, island.bodies, point)));
     }
     if (is_loaded && !pair.is_touching) {
-      record_event(island, pair, ContactChange::kBegin, fastest);
+      record_event(island, local, ContactChange::kBegin, fastest);
     }
     pair.is_touching = pair.is_touching || is_loaded;
     pair.is_compressing = false;
@@ -288,6 +291,7 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
       point.is_touching = true;
       ++num_contacts;
       island.books.overlap_total += point.depth;
+      island.books.squared_overlap_total += point.depth * point.depth;
       island.books.num_overlaps += 1;
       island.books.max_overlap = std::max(island.books.max_overlap, point.depth);
     }
@@ -295,7 +299,7 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
     surprise = std::max(surprise, deepest - aim);
     if (pair.is_touching && deepest <= 0 && !is_loaded) {
       pair.is_touching = false;
-      record_event(island, pair, ContactChange::kEnd, 0);
+      record_event(island, local, ContactChange::kEnd, 0);
     }
   }
   island.books.max_contacts = std::max(island.books.max_contacts, num_contacts);

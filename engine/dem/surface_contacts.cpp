@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "dem/anchor_creep.h"
 #include "dem/contact_tracking.h"
 #include "dem/explicit_step.h"
 #include "dem/normal_law.h"
@@ -27,7 +28,7 @@ constexpr double kRestShare = 0.05;
 // Of the allowed penetration: depth of an impact. The fewer bodies an island has the less a
 // stiffer impact costs, and the less gravity acts during it.
 constexpr double kLeastImpactShare = 0.05, kMostImpactShare = 0.5, kImpactSharePerBody = 0.025;
-// Frames are taken again with wider bounds until no body left its own unseen.
+// Of frames; see advance_islands.
 constexpr int kMostRetakes = 20;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -380,13 +381,8 @@ void SurfaceContacts::take_parameters(const World& world) {
   settings_.stiffness = world.parameters.dem.stiffness;
 }
 
-StepReport SurfaceContacts::step(World& world) {
-  const double duration = world.parameters.dt, end = world.time + duration;
-  load_bodies(world);
-  bounds_.resize(bodies_.size());
-  for (std::size_t i = 0; i < bodies_.size(); ++i) bounds_[i] = bounds_over(bodies_[i], duration);
-  add_pairs();
-
+/// All islands at `end` (s). Taken again with wider bounds until no body left its own unseen.
+std::vector<Island> SurfaceContacts::advance_islands(World& world, double end) {
   std::vector<Island> islands;
   std::vector<BodyState> after;
   for (int take = 0; take < kMostRetakes; ++take) {
@@ -408,22 +404,39 @@ StepReport SurfaceContacts::step(World& world) {
     }
     if (!add_missed_pairs(after)) break;
   }
+  return islands;
+}
 
-  StepReport report;
-  Balance& balance = world.balance;
-  elastic_energy_ = 0;
-  ContactSums sums;
-  world.contacts.events.clear();
-  std::vector<ContactPair> pairs;
+/// Takes bodies, pairs and tethers back from the islands; pairs in order of their keys.
+void SurfaceContacts::take_back(std::vector<Island>& islands, double time) {
+  pairs_.clear();
   for (Island& island : islands) {
-    const IslandBooks& books = island.books;
-    for (int i = 0; i < island.num_free; ++i)
+    for (int i = 0; i < island.num_free; ++i) {
       bodies_[at(island.bodies[at(i)].index)] = island.bodies[at(i)];
-    for (LocalPair& local : island.pairs) pairs.push_back(std::move(local.pair));
+    }
+    for (LocalPair& local : island.pairs) pairs_.push_back(std::move(local.pair));
     for (const Tether& tether : island.tethers) {
       tethers_[at(tether.index)].tension = tether.tension;
       tethers_[at(tether.index)].is_taut = tether.is_taut;
     }
+  }
+  std::sort(pairs_.begin(), pairs_.end(),
+            [](const ContactPair& x, const ContactPair& y) { return x.key() < y.key(); });
+  for (BodyState& body : bodies_) {
+    if (body.path != nullptr) follow_path(body, time);
+  }
+  for (ContactPair& pair : pairs_) {
+    const double creep = follow_anchors(pair, bodies_[at(pair.a)], bodies_[at(pair.b)]);
+    anchor_creep_ = std::max(anchor_creep_, creep);
+  }
+}
+
+/// Adds what the islands did to the books of the run.
+StepReport SurfaceContacts::book_islands(const std::vector<Island>& islands, Balance& balance) {
+  StepReport report;
+  elastic_energy_ = 0;
+  for (const Island& island : islands) {
+    const IslandBooks& books = island.books;
     balance.damping_work += books.damping_work;
     balance.friction_work += books.friction_work;
     balance.outside_work += books.outside_work;
@@ -432,51 +445,67 @@ StepReport SurfaceContacts::step(World& world) {
     balance.impulse_size += books.impulse_size;
     balance.angular_impulse_size += books.angular_impulse_size;
     balance.overlap_total += books.overlap_total;
+    balance.squared_overlap_total += books.squared_overlap_total;
     balance.contacts_total += books.num_overlaps;
     balance.max_overlap = std::max(balance.max_overlap, books.max_overlap);
     elastic_energy_ += books.elastic_energy;
+    implicit_work_ += books.implicit_work;
     energy_rise_ = std::max(energy_rise_, books.energy_rise);
     work_.num_steps += books.num_steps;
     work_.num_implicit_steps += books.num_rest_steps;
     work_.num_refused_steps += books.num_refused_steps;
     work_.num_newton_steps += books.num_newton_steps;
-    sums.num_contacts += books.max_contacts;
-    sums.max_overlap = std::max(sums.max_overlap, books.max_overlap);
     if (books.num_steps > 0 && (least_step_ <= 0 || books.least_step < least_step_)) {
       least_step_ = books.least_step;
     }
+    report.num_contacts += books.max_contacts;
+    report.max_overlap = std::max(report.max_overlap, books.max_overlap);
     if (!books.is_finite && report.nonfinite_body < 0) report.nonfinite_body = books.culprit;
-    for (ContactEvent event : books.events) {
-      if (event.body_b >= world.bodies.count()) {
-        event.plane = event.body_b - world.bodies.count();
+  }
+  balance.max_contacts = std::max(balance.max_contacts, report.num_contacts);
+  report.too_deep = report.max_overlap > 0;
+  return report;
+}
+
+/// The islands' contact events as the world names them: bodies in order, planes apart; by time.
+std::vector<ContactEvent> SurfaceContacts::events_of(const std::vector<Island>& islands) const {
+  const int num_bodies = static_cast<int>(paths_.size());
+  std::vector<ContactEvent> events;
+  for (const Island& island : islands) {
+    for (ContactEvent event : island.books.events) {
+      if (event.body_b >= num_bodies) {
+        event.plane = event.body_b - num_bodies;
         event.body_b = -1;
       } else if (event.body_a > event.body_b) {
         std::swap(event.body_a, event.body_b);
       }
-      world.contacts.events.push_back(event);
+      events.push_back(event);
     }
   }
-  std::sort(world.contacts.events.begin(), world.contacts.events.end(),
-            [](const ContactEvent& x, const ContactEvent& y) {
-              return std::tuple(x.time, x.body_a, x.body_b, x.plane, x.change) <
-                     std::tuple(y.time, y.body_a, y.body_b, y.plane, y.change);
-            });
-  std::sort(pairs.begin(), pairs.end(),
-            [](const ContactPair& x, const ContactPair& y) { return x.key() < y.key(); });
-  pairs_ = std::move(pairs);
-  balance.max_contacts = std::max(balance.max_contacts, sums.num_contacts);
-  for (BodyState& body : bodies_) {
-    if (body.path != nullptr) follow_path(body, end);
-  }
+  std::sort(events.begin(), events.end(), [](const ContactEvent& x, const ContactEvent& y) {
+    return std::tuple(x.time, x.body_a, x.body_b, x.plane, x.change) <
+           std::tuple(y.time, y.body_a, y.body_b, y.plane, y.change);
+  });
+  return events;
+}
+
+StepReport SurfaceContacts::step(World& world) {
+  const double duration = world.parameters.dt, end = world.time + duration;
+  load_bodies(world);
+  bounds_.resize(bodies_.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) bounds_[i] = bounds_over(bodies_[i], duration);
+  add_pairs();
+  std::vector<Island> islands = advance_islands(world, end);
+  StepReport report = book_islands(islands, world.balance);
+  world.contacts.events = events_of(islands);
+  take_back(islands, end);
   world.halted = report.nonfinite_body >= 0;
   if (world.halted) return report;
   store_bodies(world);
   world.time = end;
   ++world.steps;
   book_surfaces(world);
-  report.max_overlap = sums.max_overlap;
-  report.too_deep = sums.max_overlap > 0;
-  report.num_contacts = sums.num_contacts;
+  const Balance& balance = world.balance;
   report.energy_gain = balance.energy() - balance.energy_start - balance.outside_work;
   return report;
 }

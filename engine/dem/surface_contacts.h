@@ -32,6 +32,8 @@ class SurfaceContacts {
   double least_step() const { return least_step_; }
   const WorkSplit& work() const { return work_; }
   double largest_energy_rise() const { return energy_rise_; }
+  double implicit_work() const { return implicit_work_; }
+  double anchor_creep() const { return anchor_creep_; }
   long num_samples() const { return num_samples_; }
 
   // Between two steps (surface_look.cpp).
@@ -52,6 +54,10 @@ class SurfaceContacts {
   void add_pairs();
   bool add_missed_pairs(const std::vector<BodyState>& after);
   std::vector<Island> make_islands(double time) const;
+  std::vector<Island> advance_islands(World& world, double end);
+  void take_back(std::vector<Island>& islands, double time);
+  StepReport book_islands(const std::vector<Island>& islands, Balance& balance);
+  std::vector<ContactEvent> events_of(const std::vector<Island>& islands) const;
 
   ContactSettings settings_;
   Chosen chosen_;
@@ -65,7 +71,8 @@ class SurfaceContacts {
   std::vector<ContactPair> pairs_;     // in order of their keys, at the start of the frame
   std::vector<Bounds> bounds_;         // [B + P], over the frame
   std::vector<double> factor_of_law_;  // [M * M] calibrated damping of each pair of materials
-  double elastic_energy_ = 0, least_step_ = 0, energy_rise_ = 0;
+  double elastic_energy_ = 0, least_step_ = 0, energy_rise_ = 0, anchor_creep_ = 0,
+         implicit_work_ = 0;
   long num_samples_ = 0;
   WorkSplit work_;
 };

@@ -26,9 +26,8 @@ double inverse_mass_across(const BodyState& a, const BodyState& b, const Vector3
 }
 
 /// Friction that leaves no sliding after the step, beside a spring that holds what stands still.
-Vector3d rigid_stick(const ContactPoint& point, const BodyState& a, const BodyState& b,
-                     const Grip& grip, double shear, double limit, const Vector3d& trial,
-                     Vector3d& kept) {
+Vector3d rigid_stick(ContactPoint& point, const BodyState& a, const BodyState& b, const Grip& grip,
+                     double shear, double limit, const Vector3d& trial, Vector3d& kept) {
   const double speed = grip.sliding.norm();
   double viscous = 0;
   if (speed > 0 && grip.drift > 0) {
@@ -39,6 +38,7 @@ Vector3d rigid_stick(const ContactPoint& point, const BodyState& a, const BodySt
   kept = trial;
   const double size = friction.norm();
   if (size > limit) {
+    point.has_slid = true;
     friction *= limit / size;
     kept.setZero();
   }
@@ -69,6 +69,7 @@ Vector3d friction_force(const LocalPair& local, ContactPoint& point, const BodyS
     friction = -shear * trial - viscous * grip.sliding;
     const double size = friction.norm();
     if (size > limit) {
+      point.has_slid = true;
       friction *= limit / size;
       // Sliding, the spring holds what Coulomb allows; the damper must not load it.
       const double longest = limit / shear, stretched = trial.norm();

@@ -2,7 +2,9 @@
 // Makes a world and changes it from outside, with the books kept.
 #include "dem/world.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "dem/forces.h"
@@ -139,12 +141,28 @@ Pose pose_of(const World& world, int body) {
           world.bodies.linear_velocity[body], world.bodies.angular_velocity[body]};
 }
 
+namespace {
+
+/// Smallest extent (m) of any free body; infinite without one.
+double smallest_free_size(const Bodies& bodies) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (int b = 0; b < bodies.count(); ++b) {
+    if (bodies.motion[b] == Motion::kFree) smallest = std::min(smallest, bodies.size[b]);
+  }
+  return smallest;
+}
+
+}  // namespace
+
 Metrics metrics_of(const World& world) {
   const Balance& balance = world.balance;
   const auto ratio = [](double part, double whole) { return whole > 0 ? part / whole : 0; };
   Metrics metrics;
   metrics.max_penetration_m = balance.max_overlap;
   metrics.mean_penetration_m = ratio(balance.overlap_total, balance.contacts_total);
+  metrics.rms_penetration_m =
+      std::sqrt(ratio(balance.squared_overlap_total, balance.contacts_total));
+  metrics.max_penetration_rel = ratio(metrics.max_penetration_m, smallest_free_size(world.bodies));
   metrics.energy_start_j = balance.energy_start;
   metrics.energy_end_j = balance.energy();
   metrics.kinetic_energy_j = balance.kinetic_energy;
@@ -163,6 +181,8 @@ Metrics metrics_of(const World& world) {
   metrics.num_particles = world.particles.count();
   if (world.surfaces) {
     metrics.energy_rise_j = world.surfaces->largest_energy_rise();
+    metrics.anchor_creep_m = world.surfaces->anchor_creep();
+    metrics.implicit_work_j = world.surfaces->implicit_work();
     metrics.num_samples = world.surfaces->num_samples();
     metrics.work = world.surfaces->work();
   }

@@ -5,7 +5,9 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <tuple>
 
 #include "dem/run.h"
@@ -79,6 +81,8 @@ nb::dict metrics_dict(const dem::Metrics& metrics) {
   nb::dict d;
   d["max_penetration_m"] = metrics.max_penetration_m;
   d["mean_penetration_m"] = metrics.mean_penetration_m;
+  d["rms_penetration_m"] = metrics.rms_penetration_m;
+  d["max_penetration_rel"] = metrics.max_penetration_rel;
   d["energy_start_j"] = metrics.energy_start_j;
   d["energy_end_j"] = metrics.energy_end_j;
   d["kinetic_energy_j"] = metrics.kinetic_energy_j;
@@ -93,6 +97,8 @@ nb::dict metrics_dict(const dem::Metrics& metrics) {
   d["angular_momentum_residual_rel"] = metrics.angular_momentum_residual_rel;
   d["energy_rise_j"] = metrics.energy_rise_j;
   if (metrics.num_samples > 0) {
+    d["anchor_creep_m"] = metrics.anchor_creep_m;
+    d["implicit_work_j"] = metrics.implicit_work_j;
     d["num_samples"] = metrics.num_samples;
     d["num_steps"] = metrics.work.num_steps;
     d["num_implicit_steps"] = metrics.work.num_implicit_steps;
@@ -114,6 +120,12 @@ nb::object failure_dict(const std::optional<dem::Failure>& failure) {
   d["step"] = failure->step;
   d["message"] = failure->message;
   return d;
+}
+
+/// Of the relative velocity against the normal; none where it is not known.
+nb::object angle_from_normal(const dem::ContactEvent& event) {
+  if (event.sliding_speed < 0) return nb::none();
+  return nb::cast(std::atan2(event.sliding_speed, event.speed) * 180 / std::numbers::pi);
 }
 
 /// The end of a contact also says how long it was and how fast the bodies came and went.
@@ -139,6 +151,8 @@ nb::list event_list(const std::vector<dem::ContactEvent>& events, const dem::Wor
       d["restitution"] =
           begin->speed > 0 ? nb::cast(event.speed / begin->speed) : nb::object(nb::none());
       d["contact_time_s"] = event.time - begin->time;
+      d["approach_angle_deg"] = angle_from_normal(*begin);
+      d["rebound_angle_deg"] = angle_from_normal(event);
       begin = nullptr;
     }
     list.append(d);

@@ -229,6 +229,10 @@ TEST_CASE("an_oblique_impact_that_slides_follows_the_closed_form") {
     CHECK(vn == doctest::Approx(1.6).epsilon(0.005));                              // 2.9e-4
     CHECK(end.linear_velocity.x() == doctest::Approx(4 - slowed).epsilon(0.005));  // 6e-5
     CHECK(surface == doctest::Approx(2.5 * slowed).epsilon(0.005));                // 2.3e-4
+    const std::vector<ContactEvent>& events = watched.result.events;
+    REQUIRE(events.size() == 2);
+    CHECK(events[0].sliding_speed == doctest::Approx(4));
+    CHECK(events[1].sliding_speed == doctest::Approx(4 - 3.5 * slowed).epsilon(0.005));
     CHECK(watched.result.metrics.energy_residual_rel < 1e-3);
   }
 }

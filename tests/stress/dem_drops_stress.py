@@ -19,8 +19,8 @@ from drops import corpus, run_scenes, write_drops
 SEEDS = range(10)
 LIMIT_S = 20  # CPU time of one drop
 ENERGY_RESIDUAL = 1e-3
-# Not met today: six drops take longer, 23 others leave more energy unexplained.
-MAX_SLOW, MAX_UNEXPLAINED = 9, 34
+# Not met today: eight drops of meshes with many holes take longer.
+MAX_SLOW, MAX_UNEXPLAINED = 9, 1
 
 
 @pytest.mark.timeout(3600)
