@@ -42,17 +42,11 @@ TEST_CASE("towers_of_5_10_and_20_boxes_stand_for_10_s") {
          watched.result.metrics.max_penetration_m, worst_sideways(watched), speed,
          watched.result.metrics.energy_residual_rel, watched.rise_rel);
     CHECK_FALSE(watched.result.failed.has_value());
-    CHECK(watched.result.metrics.max_penetration_m < 1e-4);  // measured 6.8e-5
-    CHECK(worst_sideways(watched) < 1e-4);                   // measured 0
-    CHECK(speed < 1e-5);                                     // measured 1e-11
-    CHECK(watched.result.metrics.energy_residual_rel < 1e-3);
-    if (count < 20) {
-      CHECK(watched.rise_rel < 1e-6);  // measured 4e-12
-    } else {
-      // Target 1e-6, not met: measured 0.14 of an energy scale that is only the settling's (160 J
-      // of 20 t); frames 3 and 4 give back to the springs what stiffening took.
-      CHECK(watched.rise_rel < 0.15);
-    }
+    CHECK(watched.result.metrics.max_penetration_m < 1e-4);    // measured 7.5e-5
+    CHECK(worst_sideways(watched) < 1e-4);                     // measured 0
+    CHECK(speed < 1e-5);                                       // measured 9e-12
+    CHECK(watched.result.metrics.energy_residual_rel < 1e-3);  // measured 1.6e-7
+    CHECK(watched.rise_rel < 1e-6);                            // measured 6e-12
   }
 }
 
@@ -101,13 +95,13 @@ TEST_CASE("a_rocking_block_keeps_the_share_of_its_energy_that_housner_gives") {
     tell("rocking: hybrid, kept, Housner, residual, rise", steps == Steps::kHybrid, after / before,
          r, watched.result.metrics.energy_residual_rel, watched.rise_rel);
     if (steps == Steps::kExplicit) {
-      CHECK(after / before == doctest::Approx(r).epsilon(0.01));  // measured 0.8294, 0.23 % less
+      CHECK(after / before == doctest::Approx(r).epsilon(0.01));  // measured 0.8293, 0.24 % less
       CHECK(watched.result.metrics.energy_residual_rel < 1e-3);   // measured 2.9e-4
       CHECK(watched.rise_rel < 2e-5);  // target 1e-6, not met: measured 9.6e-6
     } else {
-      // Target 1 %, not met: measured 0.775, 6.8 % less; backward Euler damps the rocking.
-      CHECK(after / before == doctest::Approx(r).epsilon(0.08));
-      CHECK(watched.result.metrics.energy_residual_rel < 8e-3);  // target 1e-3: measured 6.6e-3
+      // Target 1 %, not met: measured 0.8180, 1.6 % less; backward Euler damps the rocking.
+      CHECK(after / before == doctest::Approx(r).epsilon(0.025));
+      CHECK(watched.result.metrics.energy_residual_rel < 1e-3);  // measured 1.1e-7
       CHECK(watched.rise_rel < 1e-6);                            // measured 0
     }
   }
@@ -164,11 +158,9 @@ TEST_CASE("a_bouncing_ball_on_a_resting_stack_comes_to_rest_at_five_bounds_on_pe
       ball_on_stack(0), 0.08);
   CHECK(calm.failed == 0);
   CHECK(calm.restless == 0);     // measured 0.72 s
-  CHECK(calm.residual < 1e-3);   // measured 7.6e-4
-  CHECK(calm.momentum < 1e-10);  // measured 4e-15
-  // Target 1e-6, not met: what stiffening took is given back to the springs while the stack calms
-  // down. Measured 6.4e-5 to 3.7e-3, more where more depth is allowed.
-  CHECK(calm.rise < 5e-3);
+  CHECK(calm.residual < 1e-3);   // measured 3.2e-4
+  CHECK(calm.momentum < 1e-10);  // measured 1.3e-14
+  CHECK(calm.rise < 1e-6);       // measured 2e-14
 }
 
 TEST_CASE("a_bouncing_ball_beside_the_axis_of_a_stack_fails_at_no_bound_on_penetration") {
@@ -178,9 +170,9 @@ TEST_CASE("a_bouncing_ball_beside_the_axis_of_a_stack_fails_at_no_bound_on_penet
       "momentum, penetration / bound, cpu",
       ball_on_stack(0.1), 0.08);
   CHECK(calm.failed == 0);
-  CHECK(calm.rise < 3e-3);      // target 1e-6, not met: measured 1.8e-3
-  CHECK(calm.residual < 2e-3);  // target 1e-3, not met: measured 1.2e-3 (largest at the stiffest)
-  // Target 1e-10, not met: 2.7e-4 of angular momentum, from implicit steps; linear 2e-15.
+  CHECK(calm.rise < 1e-6);      // measured 1.3e-14
+  CHECK(calm.residual < 1e-3);  // measured 3.9e-4
+  // Target 1e-10, not met: 1.9e-4 of angular momentum, from implicit steps; linear 2e-15.
   CHECK(calm.momentum < 5e-4);
 }
 
@@ -191,8 +183,8 @@ TEST_CASE("a_tipping_box_comes_to_rest_at_five_bounds_on_penetration") {
       tipping_box(), 0.1);
   CHECK(calm.failed == 0);
   CHECK(calm.restless == 0);    // measured 0.7 s
-  CHECK(calm.rise < 2e-5);      // target 1e-6, not met: measured 6.6e-6
-  CHECK(calm.residual < 2e-3);  // target 1e-3, not met: measured 1.4e-3
-  // Target 1e-10, not met: 6.5e-5 of angular momentum, from implicit steps.
+  CHECK(calm.rise < 1e-6);      // measured 1.2e-14
+  CHECK(calm.residual < 1e-3);  // measured 6.8e-5
+  // Target 1e-10, not met: 3.4e-5 of angular momentum, from implicit steps.
   CHECK(calm.momentum < 2e-4);
 }

@@ -85,7 +85,7 @@ TEST_CASE("the_order_of_bodies_does_not_matter") {
     const double by_order = distance(straight, permuted, same, {4, 5, 2, 1, 3, 0});
     tell("order: hybrid, swap, permutation (m)", steps == Steps::kHybrid, by_swap, by_order);
     // Target 1e-9, not met where balls meet: their tangential spring lives in the frame of the
-    // second, and turns with it. Measured 7.7e-7; boxes alone 4e-12.
+    // second, and turns with it. Measured 7.4e-7; boxes alone 4e-12.
     CHECK(by_swap < 1.5e-6);
     CHECK(by_order < 1.5e-6);
   }
@@ -101,7 +101,7 @@ TEST_CASE("a_scene_turned_about_the_vertical_moves_turned") {
     const double error = distance(log_of(scene(), 1, steps), log_of(mapped(scene(), map), 1, steps),
                                   map, kSameOrder);
     tell("turned: hybrid, (m)", steps == Steps::kHybrid, error);
-    // Target 1e-9, not met: hybrid 1.2e-3, of the sliding box alone, whose corners begin at height
+    // Target 1e-9, not met: hybrid 2.1e-3, of the sliding box alone, whose corners begin at height
     // 0 here and 1e-17 beside it there; the rest 7e-12. Explicit 5.2e-6: boxes at rest swing in
     // their springs, one impact after the other.
     CHECK(error < (steps == Steps::kHybrid ? 3e-3 : 2e-5));
@@ -118,7 +118,7 @@ TEST_CASE("a_scene_elsewhere_moves_alike") {
     const double error = distance(log_of(scene(), 1, steps), log_of(mapped(scene(), map), 1, steps),
                                   map, kSameOrder);
     tell("elsewhere: hybrid, (m)", steps == Steps::kHybrid, error);
-    // Target 1e-9, not met in hybrid: 1.2e-3 of the sliding box, as above; the rest 7e-12.
+    // Target 1e-9, not met in hybrid: 2.9e-4 of the sliding box, as above; explicit 9e-12.
     CHECK(error < (steps == Steps::kHybrid ? 2e-3 : 1e-9));
   }
 }
@@ -193,8 +193,6 @@ TEST_CASE("a_scene_ten_times_as_large_moves_alike_in_root_ten_of_the_time") {
     };
     const double error = distance(log_of(scene(), 1, steps), log, map, kSameOrder) / scale;
     tell("scaled: hybrid, (m)", steps == Steps::kHybrid, error);
-    // Target 1e-9, not met: loads and offsets are remembered for fixed times (0.02 and 0.05 s),
-    // whatever the size. Measured 7.4e-6; hybrid 1.2e-3 of the sliding box, as above.
-    CHECK(error < (steps == Steps::kHybrid ? 2e-3 : 1.5e-5));
+    CHECK(error < 1e-9);  // measured 8e-13
   }
 }
