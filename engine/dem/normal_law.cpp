@@ -5,24 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "dem/bisect.h"
 #include "dem/restitution.h"
 
 namespace verisim::dem {
 namespace {
 
-constexpr int kBisections = 60;
 // Elastic contact time of Hertz's law in units of depth over approach speed: the integral
 // 2 int_0^1 dx / sqrt(1 - x^(5/2)).
 constexpr double kHertzTime = 2.94327;
-
-template <class IsAboveRoot>
-double bisect(double low, double high, const IsAboveRoot& is_above_root) {
-  for (int i = 0; i < kBisections; ++i) {
-    const double middle = 0.5 * (low + high);
-    (is_above_root(middle) ? high : low) = middle;
-  }
-  return 0.5 * (low + high);
-}
 
 /// Restitution of the clamped linear spring and dashpot in continuous time.
 double linear_restitution(double zeta) {

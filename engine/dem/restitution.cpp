@@ -5,21 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "dem/bisect.h"
+
 namespace verisim::dem {
 namespace {
 
-constexpr int kBisections = 60;
 constexpr double kGrowth = 1.1;  // of the search for the root
-
-/// Root of a rising or falling function with a sign change in (low, high).
-template <class Function>
-double bisect(double low, double high, const Function& is_above_root) {
-  for (int i = 0; i < kBisections; ++i) {
-    const double middle = 0.5 * (low + high);
-    (is_above_root(middle) ? high : low) = middle;
-  }
-  return 0.5 * (low + high);
-}
 
 }  // namespace
 
