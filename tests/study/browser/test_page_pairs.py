@@ -81,8 +81,11 @@ def test_both_clips_of_a_pair_play_in_full_and_the_choice_names_one_of_them(
             assert pair["start_skew_ms"] is None
             assert (pair["displayed_w_px"], pair["scale"]) == (1280, 4)
         else:
-            # Measured 0 to 0.2 ms; one frame is what a busy machine may add.
-            assert abs(pair["start_skew_ms"]) <= FRAME_MS + 1
+            # Measured 0 to 0.2 ms. A busy machine may show one clip frames later (19 ms seen once):
+            # what matters then is that the record says so.
+            recorded = second["onset_ms"] - first["onset_ms"]
+            assert pair["start_skew_ms"] == pytest.approx(recorded, abs=1)
+            assert abs(pair["start_skew_ms"]) <= 4 * FRAME_MS
             assert (pair["displayed_w_px"], pair["scale"]) == (320, 1)  # twice leaves no gap
     assert visit.complaints == []
 
