@@ -12,7 +12,9 @@ namespace verisim::clip {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "verisim_clip_XXXXXX").string();
+    // mkdtemp wants six of these at the end and puts letters of its own in their place.
+    std::string pattern = (std::filesystem::temp_directory_path() / "verisim_clip_").string();
+    pattern.append(6, 'X');
     path_ = mkdtemp(pattern.data());
   }
   ~TemporaryFolder() {

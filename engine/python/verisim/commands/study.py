@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -149,29 +151,15 @@ def simulate(
     )
     where = read_place(place)
     with progress_bar("forms" if browser else "raters", counts=True) as report:
+        rate: Callable[..., object] = simulate_study
         if browser:
-            simulate_in_browser(
-                study_file,
-                set_dir,
-                where,
-                participants,
-                seed,
-                traits=traits,
-                on_progress=report,
+            rate = partial(
+                simulate_in_browser,
                 on_visit=lambda visit: say(
                     f"rater {visit.rater + 1}: {visit.num_forms} forms in {visit.took_s:.0f} s"
                 ),
             )
-        else:
-            simulate_study(
-                study_file,
-                set_dir,
-                where,
-                participants,
-                seed,
-                traits=traits,
-                on_progress=report,
-            )
+        rate(study_file, set_dir, where, participants, seed, traits=traits, on_progress=report)
     say(f"answers: {read_place(place)}")
 
 
