@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from verisim.bench.problems import BenchError
 from verisim.bench.stability.cells import METHODS, StabilityMap
 from verisim.bench.stability.column_maps import column_maps
 from verisim.bench.stability.impact_maps import impact_maps
-from verisim.bench.stability.problems import BenchError
 
 NOT_POSED = {
     ("particle_size", "dem-explicit"): "Method dem has no particles: boxes meet by exact clipping, "

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: MIT
+"""SCENE.csv: every run of a scene as a row; what a stopped bench goes on from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+
+from verisim.bench.chart.bench_scene import BenchScene
+from verisim.bench.chart.contestants import Entry
+from verisim.bench.chart.front import Point
+from verisim.bench.files import append_row, table_text, whole_rows, write_whole
+
+FACTS = (
+    "scene",
+    "method",
+    "setting",
+    "overrides",
+    "run",
+    "machine",
+    "build",
+    "commit",
+    "inputs_sha256",
+    "cpu_s_per_sim_s",
+    "cost_counts",
+    "simulated_s",
+    "steps",
+    "dt_s",
+    "state_hash",
+    "version",
+    "took_s",
+)
+RULES = ("errors.py", "overlap.py", "closed_forms.py", "resting.py", "run_trial.py")
+
+
+class RunTable:
+    """The rows of one scene on this machine with today's engine; others in the file are kept only
+    where they are of another machine or contestant."""
+
+    def __init__(self, file: Path, scene: BenchScene) -> None:
+        self.file = file
+        self.columns = (*FACTS, *(measure.key for measure in scene.measures), "failed")
+        self.rows = whole_rows(file, self.columns)
+        write_whole(file, table_text(self.columns, self.rows))
+
+    def of(self, identity: dict[str, str]) -> list[dict[str, str]]:
+        """The runs made with this identity (inputs, build, machine), in order."""
+        return [row for row in self.rows if all(row[key] == identity[key] for key in identity)]
+
+    def add(self, row: dict[str, Any]) -> None:
+        full = {column: _text(row.get(column)) for column in self.columns}
+        append_row(self.file, self.columns, full)
+        self.rows.append(full)
+
+
+def _text(value: Any) -> str:
+    return "" if value is None else str(value)
+
+
+def inputs_hash(scene: BenchScene, file: Path, entry: Entry) -> str:
+    """Of everything that a run depends on beside the engine: scene, meshes, setting, measures."""
+    digest = hashlib.sha256(file.read_bytes())
+    for body in YAML(typ="safe").load(file)["bodies"]:
+        if "mesh" in body["shape"]:
+            digest.update((file.parent / body["shape"]["mesh"]).read_bytes())
+    digest.update(json.dumps(dict(entry.overrides), sort_keys=True, default=str).encode())
+    digest.update(json.dumps([measure.key for measure in scene.measures]).encode())
+    digest.update(f"{entry.method} {scene.warm_up_s}".encode())
+    digest.update(rules_hash().encode())
+    return digest.hexdigest()
+
+
+def rules_hash() -> str:
+    digest = hashlib.sha256()
+    for name in RULES:
+        file = Path(__file__).with_name(name)
+        if file.is_file():
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def peers_hash() -> str:
+    """Of the adapters and drivers; the engine's own version is in each row."""
+    digest = hashlib.sha256()
+    folder = Path(__file__).parent.parent / "peers"
+    files = (file for file in folder.rglob("*") if file.is_file() and file.suffix != ".pyc")
+    for file in sorted(files):
+        digest.update(str(file.relative_to(folder)).encode() + file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def point_of(entry: Entry, rows: Sequence[dict[str, str]], measure: str) -> Point:
+    """A setting's runs as one point; without any it counts as failed."""
+    costs = tuple(
+        float(row["cpu_s_per_sim_s"]) for row in rows if row["cost_counts"] == "True"
+    ) or tuple(float(row["cpu_s_per_sim_s"]) for row in rows[:1])
+    costs = tuple(cost for cost in costs if math.isfinite(cost) and cost > 0)
+    judged = next((row for row in rows if row[measure] != "" or row["failed"]), None)
+    if judged is None:
+        return Point(entry.method, entry.setting, math.inf, costs, "not run")
+    error = float(judged[measure]) if judged[measure] else math.inf
+    failed = judged["failed"]
+    if not failed and not math.isfinite(error):
+        failed = "no finite error"
+    return Point(entry.method, entry.setting, error, costs, failed)
