@@ -8,8 +8,8 @@ at its default settings and at tuned ones.
 from __future__ import annotations
 
 from verisim.bench.peers.contestants import CONFIGS, PeerConfig, cannot_pose, contestants
+from verisim.bench.peers.driver_run import PeerRun, run_peer, steps_per_frame
 from verisim.bench.peers.install import PeerError, install, missing
-from verisim.bench.peers.run_peer import PeerRun, run_peer, steps_per_frame
 from verisim.bench.peers.scene import PeerBody, PeerPlane, PeerScene, PeerShape, peer_scene
 
 __all__ = [

@@ -20,6 +20,8 @@
 namespace {
 
 constexpr JPH::ObjectLayer kFixed = 0, kFree = 1;
+// m; a cube as deep as it is wide loses digits: creep on a slope of 1e-3 mm instead of 2e-5.
+constexpr double kGroundDepth = 2;
 constexpr JPH::uint kPairsPerBody = 64, kLeastPairs = 4096;
 constexpr JPH::uint kBytesPerBody = 64 * 1024, kLeastBytes = 16 * 1024 * 1024;
 
@@ -164,10 +166,11 @@ class World {
  private:
   void add_plane(const peer::Plane& plane, double reach) {
     const JPH::Vec3 normal = vector_of(plane.normal);
-    const JPH::ShapeRefC block = new JPH::BoxShape(JPH::Vec3::sReplicate(float(reach)));
-    JPH::BodyCreationSettings settings(block, JPH::RVec3(normal * float(plane.offset - reach)),
-                                       JPH::Quat::sFromTo(JPH::Vec3::sAxisZ(), normal),
-                                       JPH::EMotionType::Static, kFixed);
+    const JPH::ShapeRefC block =
+        new JPH::BoxShape(JPH::Vec3(float(reach), float(reach), float(kGroundDepth / 2)));
+    JPH::BodyCreationSettings settings(
+        block, JPH::RVec3(normal * float(plane.offset - kGroundDepth / 2)),
+        JPH::Quat::sFromTo(JPH::Vec3::sAxisZ(), normal), JPH::EMotionType::Static, kFixed);
     settings.mUserData = JPH::uint64(plane.material);
     added(settings, JPH::EActivation::DontActivate);
   }
