@@ -23,6 +23,7 @@ class BenchScene:
     about: str
     measures: tuple[Measure, ...]
     make: Callable[[], Scene] | None = None  # None: scenes/KEY.yaml
+    meshes: Mapping[str, str] = field(default_factory=dict)  # of a made scene, by file name
     settings: Mapping[str, Mapping[str, float | str]] = field(default_factory=dict)  # by method
     not_posed: Mapping[str, str] = field(default_factory=dict)  # method -> why
     warm_up_s: float = 0  # simulated before costs count
@@ -33,11 +34,12 @@ class BenchScene:
         """The scene file: the committed one, or the generated one in `folder`."""
         if self.make is None:
             return FOLDER / f"{self.key}.yaml"
-        file = folder / f"{self.key}.yaml"
-        text = json.dumps(self.make(), indent=1) + "\n"  # YAML too
-        if not file.is_file() or file.read_text("utf-8") != text:
-            write_whole(file, text)
-        return file
+        scene = json.dumps(self.make(), indent=1) + "\n"  # YAML too
+        for name, text in {f"{self.key}.yaml": scene, **self.meshes}.items():
+            file = folder / name
+            if not file.is_file() or file.read_text("utf-8") != text:
+                write_whole(file, text)
+        return folder / f"{self.key}.yaml"
 
     @property
     def needs_reference(self) -> bool:

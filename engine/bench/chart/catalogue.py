@@ -7,11 +7,12 @@ from collections.abc import Sequence
 
 from verisim.bench.chart.bench_scene import BenchScene
 from verisim.bench.chart.single_bodies import single_body_scenes
+from verisim.bench.chart.stacks import stack_scenes
 from verisim.bench.problems import BenchError
 
 
 def all_scenes() -> list[BenchScene]:
-    return [*single_body_scenes()]
+    return [*single_body_scenes(), *stack_scenes()]
 
 
 def choose_scenes(names: Sequence[str] | None) -> list[BenchScene]:

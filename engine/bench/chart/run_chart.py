@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
+import math
 import subprocess
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,21 +27,23 @@ from verisim.stimuli.workers import run_tasks
 Progress = Callable[[float, float], None]  # (seconds' worth of runs done, in all)
 Say = Callable[[str], None]
 
-SHORT_S = 2.0  # a run below it is repeated more often, after one that only warms up
-
 
 @dataclass(frozen=True)
 class Effort:
     """How much is measured."""
 
-    short_runs: int  # of a setting whose run takes less than SHORT_S
-    long_runs: int
+    repeats: tuple[tuple[float, int], ...]  # runs of a setting whose run takes less than so long, s
     limit_s: float  # CPU time of one run
-    scene_s: float  # wall time after which a scene's costs are not repeated any more
+
+    def runs(self, took_s: float) -> int:
+        """Runs to make of a setting, the first included. Of a setting of several runs that are
+        short the first only warms up."""
+        return next(count for least, count in self.repeats if took_s < least)
 
 
-FULL = Effort(10, 3, 120.0, float("inf"))
-QUICK = Effort(3, 2, 4.0, 12.0)
+SHORT_S = 2.0
+FULL = Effort(((SHORT_S, 11), (math.inf, 3)), 120.0)
+QUICK = Effort(((0.3, 4), (SHORT_S, 3), (math.inf, 1)), 3.0)
 
 
 @dataclass(frozen=True)
@@ -123,10 +124,18 @@ class Plan:
     def rows(self, index: int) -> list[dict[str, str]]:
         return self.table.of(self.identities[index])
 
+    def finest(self, method: str) -> list[dict[str, str]]:
+        """The runs of a contestant's own reference."""
+        for i, entry in enumerate(self.entries):
+            if entry.method == method and entry.is_finest:
+                return self.rows(i)
+        return []
+
     def charted(self) -> Charted:
         points = {
             measure.key: [
-                point_of(entry, self.rows(i), measure.key) for i, entry in enumerate(self.entries)
+                point_of(entry, self.rows(i), measure, self.finest(entry.method))
+                for i, entry in enumerate(self.entries)
             ]
             for measure in self.scene.measures
         }
@@ -175,25 +184,19 @@ class Session:
         """Runs still to make of a setting; before its first run as if it were short."""
         rows = plan.rows(index)
         if not rows:
-            return self.effort.short_runs + 1
+            return self.effort.runs(0)
         if _is_lost(rows[0]):
             return 0
-        wanted = self.effort.long_runs if _is_long(rows[0]) else self.effort.short_runs + 1
-        return max(0, wanted - len(rows))
+        return max(0, self.effort.runs(float(rows[0]["took_s"])) - len(rows))
 
     def run(self, plan: Plan) -> None:
         """First every setting once, for its errors; then rounds over all settings for costs."""
         self.say(f"{plan.scene.key}: {len(plan.entries)} settings")
-        begin = time.monotonic()
         first = [i for i in range(len(plan.entries)) if not plan.rows(i)]
         self._round(plan, first, judged=True)
         while True:
             todo = [i for i in range(len(plan.entries)) if self._missing(plan, i)]
             if not todo:
-                break
-            enough = time.monotonic() - begin > self.effort.scene_s
-            if enough and all(len(plan.rows(i)) >= 2 for i in todo):
-                self.planned -= sum(self._missing(plan, i) for i in todo)
                 break
             self._round(plan, todo, judged=False)
 
@@ -212,14 +215,6 @@ class Session:
 
     def _task(self, plan: Plan, index: int, judged: bool) -> Task:
         entry, scene = plan.entries[index], plan.scene
-        reference = None
-        if scene.needs_reference and not entry.is_finest:
-            finest = [
-                i
-                for i, other in enumerate(plan.entries)
-                if other.is_finest and other.method == entry.method
-            ]
-            reference = self._poses(plan, finest[0]) if finest else None
         return Task(
             plan.file,
             entry.overrides,
@@ -227,19 +222,11 @@ class Session:
             scene.warm_up_s,
             self.effort.limit_s,
             entry.method if entry.is_peer else "",
-            self._poses(plan, index) if judged and scene.needs_reference else None,
-            reference,
         )
-
-    def _poses(self, plan: Plan, index: int) -> Path:
-        identity = "".join(plan.identities[index].values())
-        name = hashlib.sha256(identity.encode()).hexdigest()[:20]
-        return self.directory / "poses" / f"{plan.scene.key}-{name}.npz"
 
     def _note(self, plan: Plan, index: int, kind: str, value: Any) -> None:
         entry, rows = plan.entries[index], plan.rows(index)
         row = value if kind == "done" else {"failed": str(value).splitlines()[0]}
-        long = _is_long({"took_s": row.get("took_s") or "", **row})
         plan.table.add(
             {
                 **row,
@@ -251,15 +238,10 @@ class Session:
                 "run": len(rows),
                 "commit": self.commit,
                 # The first run of a short one has cold caches and samples for its errors.
-                "cost_counts": bool(rows) or long,
+                "cost_counts": bool(rows) or float(row.get("took_s") or 0) >= SHORT_S,
             }
         )
         self.num_run += 1
-
-
-def _is_long(row: dict[str, Any]) -> bool:
-    took = row.get("took_s")
-    return took not in ("", None) and float(took) >= SHORT_S
 
 
 def _is_lost(row: dict[str, str]) -> bool:

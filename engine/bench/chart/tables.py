@@ -7,6 +7,7 @@ import hashlib
 import json
 import math
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from ruamel.yaml import YAML
 from verisim.bench.chart.bench_scene import BenchScene
 from verisim.bench.chart.contestants import Entry
 from verisim.bench.chart.front import Point
+from verisim.bench.chart.trial import Measure
 from verisim.bench.files import append_row, table_text, whole_rows, write_whole
 
 FACTS = (
@@ -76,6 +78,7 @@ def inputs_hash(scene: BenchScene, file: Path, entry: Entry) -> str:
     return digest.hexdigest()
 
 
+@cache
 def rules_hash() -> str:
     digest = hashlib.sha256()
     for name in RULES:
@@ -85,6 +88,7 @@ def rules_hash() -> str:
     return digest.hexdigest()
 
 
+@cache
 def peers_hash() -> str:
     """Of the adapters and drivers; the engine's own version is in each row."""
     digest = hashlib.sha256()
@@ -95,17 +99,32 @@ def peers_hash() -> str:
     return digest.hexdigest()[:16]
 
 
-def point_of(entry: Entry, rows: Sequence[dict[str, str]], measure: str) -> Point:
-    """A setting's runs as one point; without any it counts as failed."""
-    costs = tuple(
-        float(row["cpu_s_per_sim_s"]) for row in rows if row["cost_counts"] == "True"
-    ) or tuple(float(row["cpu_s_per_sim_s"]) for row in rows[:1])
+Rows = Sequence[dict[str, str]]
+
+
+def point_of(entry: Entry, rows: Rows, measure: Measure, finest: Rows = ()) -> Point:
+    """A setting's runs as one point; without any it counts as failed. finest: the runs of the
+    contestant's own reference, where the measure is against that."""
+    counted = [row for row in rows if row["cost_counts"] == "True"] or rows[:1]
+    costs = tuple(float(row["cpu_s_per_sim_s"] or "nan") for row in counted)
     costs = tuple(cost for cost in costs if math.isfinite(cost) and cost > 0)
-    judged = next((row for row in rows if row[measure] != "" or row["failed"]), None)
+    judged = next((row for row in rows if row[measure.key] != "" or row["failed"]), None)
     if judged is None:
         return Point(entry.method, entry.setting, math.inf, costs, "not run")
-    error = float(judged[measure]) if judged[measure] else math.inf
+    error = float(judged[measure.key] or "inf")
     failed = judged["failed"]
+    if measure.is_own and not failed:
+        own = own_value(finest, measure)
+        error = math.inf if own is None else abs(error / own - 1)
+        failed = "no finest run to compare with" if own is None else ""
     if not failed and not math.isfinite(error):
         failed = "no finite error"
     return Point(entry.method, entry.setting, error, costs, failed)
+
+
+def own_value(finest: Rows, measure: Measure) -> float | None:
+    """What the finest run of a contestant gave; None if there is none that holds."""
+    judged = next((row for row in finest if row[measure.key] != ""), None)
+    if judged is None or judged["failed"] or not math.isfinite(float(judged[measure.key])):
+        return None
+    return float(judged[measure.key])

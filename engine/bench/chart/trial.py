@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ class Trial:
 
     poses: PoseLog
     scene: Scene  # as read from the file, overrides applied
-    reference: PoseLog | None = None  # the contestant's own finest run, where a measure wants it
+    folder: Path  # that meshes are relative to
 
     def body(self, name: str) -> dict[str, Any]:
         return next(body for body in self.scene["bodies"] if body["name"] == name)
@@ -46,7 +47,8 @@ class Trial:
 
 @dataclass(frozen=True)
 class Measure:
-    """A quantity that is 0 for a run without error."""
+    """A quantity that is 0 for a run without error; or, if `is_own`, one whose relative distance
+    from that of the contestant's own finest run is the error."""
 
     key: str  # column of the CSV
     label: str  # axis of the figure, with its unit
@@ -54,4 +56,4 @@ class Measure:
     evaluate: Callable[[Trial], float]
     lost_above: float = float("inf")  # beyond it the run has failed at what the scene asks
     lost_words: str = ""
-    is_own: bool = False  # against the contestant's own finest run
+    is_own: bool = False
