@@ -24,7 +24,8 @@ from verisim.bench.peers.rotation import quaternion_product
 from verisim.bench.peers.scene import PeerScene
 from verisim.engine import PoseLog
 
-GRACE_S = 20.0  # beyond the limit: reading, building and a step that does not return
+# Beyond the limit: reading, building (MuJoCo: a minute for 4000 bodies), a step without end.
+GRACE_S, GRACE_PER_BODY_S = 20.0, 0.05
 NUM_STATE = 13  # doubles of a body and frame: position, wxyz, velocity, angular velocity
 
 
@@ -61,8 +62,9 @@ def run_peer(
     why = cannot_pose(config, scene) or missing(config.engine)
     if why is not None:
         return _run_of(scene, None, {"failed": why}, steps)
+    grace_s = GRACE_S + GRACE_PER_BODY_S * len(scene.bodies)
     directory.mkdir(parents=True, exist_ok=True)
-    folder = Path(tempfile.mkdtemp(prefix=f"{config.key}-", dir=directory))
+    folder = Path(tempfile.mkdtemp(prefix=f"{config.key}-", dir=directory)).resolve()
     try:
         job = {
             **asdict(scene),
@@ -74,12 +76,12 @@ def run_peer(
             "time_limit_s": time_limit_s,
         }
         if config.engine == "lammps":
-            states, result = lammps.run(scene, job, folder, time_limit_s + GRACE_S)
+            states, result = lammps.run(scene, job, folder, time_limit_s + grace_s)
             return _run_of(scene, states, result, steps)
         if config.engine == "mujoco":
             (folder / "model.xml").write_text(mjcf(scene, config.config, job["dt_s"]), "utf-8")
         (folder / "scene.json").write_text(json.dumps(job), "utf-8")
-        result = _run_driver(driver_of(config), folder, time_limit_s + GRACE_S)
+        result = _run_driver(driver_of(config), folder, time_limit_s + grace_s)
         return _run_of(scene, _states_in(folder / "poses.bin", len(scene.bodies)), result, steps)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
@@ -93,6 +95,7 @@ def _run_driver(driver: Path, folder: Path, limit_s: float) -> dict[str, Any]:
         with (folder / "stderr.txt").open("wb") as stderr:
             done = subprocess.run(
                 [driver, folder],
+                cwd=folder,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=stderr,

@@ -172,6 +172,9 @@ def _build(engine: str, driver: Driver) -> None:
         building.replace(program)
     finally:
         building.unlink(missing_ok=True)
+    for old in cache_folder().glob(f"{driver.name}-*"):
+        if old != program.parent:
+            shutil.rmtree(old, ignore_errors=True)
 
 
 def _build_cpp(engine: str, driver: Driver, program: Path) -> None:

@@ -9,7 +9,8 @@ from itertools import combinations
 
 from verisim.bench.peers.scene import PeerBody, PeerPlane, PeerScene, PeerShape
 
-ARENA_KIB_PER_BODY = 4096  # of contacts and constraints; touched only as far as used
+# Room for contacts and constraints, touched only as far as used.
+ARENA_MIB_PER_BODY, LEAST_ARENA_MIB = 1, 64
 # Share of a contact's force that its spring decides: MuJoCo's own 0.9 to 0.95 is soft.
 STIFF_IMPEDANCE = "0.99 0.9999 0.0005"
 LEAST_RESTITUTION = 1e-3  # a half swing of a spring cannot return nothing
@@ -26,7 +27,7 @@ def mjcf(scene: PeerScene, config: str, dt_s: float) -> str:
     lines = [
         "<mujoco>",
         '<compiler angle="radian" balanceinertia="false" fitaabb="false"/>',
-        f'<size memory="{ARENA_KIB_PER_BODY * (len(scene.bodies) + 4)}K"/>',
+        f'<size memory="{max(LEAST_ARENA_MIB, ARENA_MIB_PER_BODY * len(scene.bodies))}M"/>',
         f'<option timestep="{dt_s!r}" gravity="{_row(scene.gravity)}"{options}/>',
         f"<default><geom {default}/></default>",
         "<asset>",

@@ -21,7 +21,8 @@ namespace peer {
 using Vec3 = std::array<double, 3>;
 using Quat = std::array<double, 4>;  // w first, principal frame of the body to world
 
-constexpr double kRehearsalS = 0.02;  // of the processor; a page fault or a lazy symbol takes 1e-6
+constexpr size_t kRehearseUpTo = 200;  // bodies; a step of more takes longer than what it warms
+constexpr double kRehearsalS = 0.02;   // of the processor; a page fault or a lazy symbol takes 1e-6
 
 enum class Kind { box, sphere, mesh, spheres };
 
@@ -200,7 +201,7 @@ int run_main(int argc, char** argv) {
   }
   try {
     const Scene scene = read_scene(std::string(argv[1]) + "/scene.json");
-    rehearse<World>(scene);
+    if (scene.bodies.size() <= kRehearseUpTo) rehearse<World>(scene);
     run<World>(scene, argv[1]);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -2,6 +2,7 @@
 // Open Dynamics Engine in double precision: QuickStep, or its direct solver dWorldStep.
 #include <ode/ode.h>
 
+#include <csetjmp>
 #include <cstdarg>
 #include <memory>
 
@@ -13,6 +14,16 @@ constexpr int kContactsPerPair = 8;
 
 void say_nothing(int, const char*, va_list) {}
 
+// ODE ends the process where its own promises break: numbers out of range, mostly. It was built
+// without exceptions, so the way back to `step` is a jump over plain C data.
+std::jmp_buf out_of_step;
+char complaint[200];
+
+[[noreturn]] void leave_step(int, const char* text, va_list values) {
+  std::vsnprintf(complaint, sizeof complaint, text, values);
+  std::longjmp(out_of_step, 1);
+}
+
 class World {
  public:
   explicit World(const peer::Scene& scene) : scene_(scene) {
@@ -21,6 +32,9 @@ class World {
     dInitODE2(0);
     dRandSetSeed(0);                  // QuickStep takes its constraints in random order
     dSetMessageHandler(say_nothing);  // its LCP solver complains by the hundred thousand
+    dSetErrorHandler(leave_step);
+    dSetDebugHandler(leave_step);
+    complaint[0] = 0;
     world_ = dWorldCreate();
     space_ = dHashSpaceCreate(nullptr);
     contacts_ = dJointGroupCreate(0);
@@ -38,6 +52,7 @@ class World {
   }
 
   void step() {
+    if (complaint[0] || setjmp(out_of_step)) return;
     dSpaceCollide(space_, this, [](void* self, dGeomID a, dGeomID b) {
       static_cast<World*>(self)->collide(a, b);
     });
@@ -61,7 +76,10 @@ class World {
            (dCheckConfiguration("ODE_double_precision") ? " float64" : "");
   }
 
-  std::string failure() const { return out_of_memory_ ? "no memory for a step" : ""; }
+  std::string failure() const {
+    if (complaint[0]) return std::string("ODE gave up: ") + complaint;
+    return out_of_memory_ ? "no memory for a step" : "";
+  }
 
  private:
   static peer::Vec3 vector_of(const dReal* v) { return {v[0], v[1], v[2]}; }
