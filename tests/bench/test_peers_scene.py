@@ -5,6 +5,7 @@ engine is needed here."""
 from __future__ import annotations
 
 import math
+import tomllib
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from peer_scenes import EDGES, ball, box, write_scene, write_turned_box
 from verisim import engine
 from verisim.bench import peers
 from verisim.bench.peers import driver_run, lammps
+from verisim.bench.peers.install import MUJOCO_VERSION
 from verisim.bench.peers.mjcf import mjcf
 from verisim.bench.peers.rotation import principal_axes, quaternion_product, turned
 
@@ -212,3 +214,9 @@ def test_every_engine_has_its_default_first_and_its_settings_in_words() -> None:
     assert len(keys) == len(set(keys))
     for configs in peers.CONFIGS.values():
         assert all(configs.values())
+
+
+def test_the_extra_names_the_version_that_is_installed() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    assert project["optional-dependencies"]["peers"] == [f"mujoco=={MUJOCO_VERSION}"]
+    assert not any("mujoco" in name for name in project["dependencies"])

@@ -5,19 +5,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
-
-from ruamel.yaml import YAML
 
 from verisim import engine
 from verisim.bench import peers
 from verisim.bench.chart.bench_scene import BenchScene
 from verisim.bench.chart.ladder import Ladder, Rung, Times
+from verisim.bench.chart.trial import scene_document
 from verisim.bench.problems import BenchError
 
 PEER_STEPS = {"dt 1/60": 1 / 60, "dt 1/240": 1 / 240, "dt 1/1000": 1e-3, "dt 1/4000": 1 / 4000}
 QUICK_PEER_STEPS = ("dt 1/60", "dt 1/240")
+# What the engine chooses depends on none of these.
+NOT_PROBED = ("physics.dt_s", "physics.steps_per_contact", "duration_s")
 PROBE_S = 1e-6  # long enough for the engine to say what it chooses
 ORDER = ("particle_size_m", "max_penetration_m", "stiffness_n_m", "dt_s")  # later needs earlier
 
@@ -123,8 +125,8 @@ def resolve(file: Path, base: Mapping[str, Any], rung: Rung) -> dict[str, Any] |
             chosen = _chosen(file, overrides, key)
             if chosen is None:
                 return None
-            overrides[f"physics.{key}"] = multiple.factor * chosen
-    duration = overrides.get("duration_s") or YAML(typ="safe").load(file)["duration_s"]
+            overrides[f"physics.{key}"] = float(f"{multiple.factor * chosen:.3g}")
+    duration = overrides.get("duration_s") or scene_document(file)["duration_s"]
     is_too_long = overrides.get("physics.dt_s", 0) > duration
     return None if is_too_long else overrides
 
@@ -132,8 +134,19 @@ def resolve(file: Path, base: Mapping[str, Any], rung: Rung) -> dict[str, Any] |
 def _chosen(file: Path, overrides: Mapping[str, Any], key: str) -> float | None:
     if key == "particle_size_m":
         return _default_particle_size(file)
-    own_step = {key: value for key, value in overrides.items() if key != "physics.dt_s"}
-    run = engine.simulate(file, {**own_step, "duration_s": PROBE_S})
+    own = {name: value for name, value in overrides.items() if name not in NOT_PROBED}
+    return _probed(file, file.stat().st_mtime_ns, tuple(sorted(own.items())), key)
+
+
+@lru_cache(maxsize=64)
+def _probed(file: Path, _mtime_ns: int, overrides: tuple[tuple[str, Any], ...], key: str) -> float:
+    probe = {**dict(overrides), "duration_s": PROBE_S}
+    if key == "dt_s":  # a scene may name its own, which no duration may be shorter than
+        named = scene_document(file).get("physics", {}).get("dt_s", PROBE_S)
+        probe["duration_s"] = max(PROBE_S, named)
+    else:
+        probe["physics.dt_s"] = PROBE_S
+    run = engine.simulate(file, probe)
     if key == "max_penetration_m":
         return float(run.summary["chosen"]["max_penetration_m"])
     return float(run.parameters[key])
@@ -141,7 +154,7 @@ def _chosen(file: Path, overrides: Mapping[str, Any], key: str) -> float | None:
 
 def _default_particle_size(file: Path) -> float | None:
     """A quarter of the smallest extent of the free boxes; None if there are none."""
-    bodies = YAML(typ="safe").load(file)["bodies"]
+    bodies = scene_document(file)["bodies"]
     free = [body["shape"] for body in bodies if body.get("motion", "free") == "free"]
     boxes = [min(shape["box_m"]) for shape in free if "box_m" in shape]
     return min(boxes) / 4 if boxes else None

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import NullLocator
 
 from verisim.analysis import style
 from verisim.bench.chart.front import Point, front, quartiles, ties
@@ -20,6 +21,7 @@ from verisim.bench.files import write_whole
 
 WIDTH_IN, TALL_IN = 7.4, 4.3
 PNG_DPI = 160
+LEGEND_COLUMNS = 4
 EXACT = 1e-14  # below it an error is drawn on the rail of exact runs
 OURS = {
     "dem": ("#0072b2", "o"),
@@ -35,14 +37,23 @@ ENGINES = {
     "jolt": ("#b8860b", ">"),
     "lammps": ("#c2185b", "*"),
 }
-CONFIG_FILLS = ("white", "full", "#e3e7eb", "#9aa5b1")
+FILL_STYLES = ("none", "full", "left", "bottom")  # of an engine's settings, in order
 
 
 @dataclass(frozen=True)
 class Look:
     color: str
     marker: str
-    fill: str
+    fill: str  # matplotlib's fill style
+
+    def symbol(self) -> dict[str, Any]:
+        return {
+            "marker": self.marker,
+            "mfc": "white" if self.fill == "none" else self.color,
+            "mec": self.color,
+            "mfcalt": "white",
+            "fillstyle": "full" if self.fill == "none" else self.fill,
+        }
 
 
 @dataclass(frozen=True)
@@ -58,13 +69,13 @@ def looks(methods: Sequence[str]) -> dict[str, Look]:
     for method in methods:
         if method in OURS:
             color, marker = OURS[method]
-            found[method] = Look(color, marker, color)
+            found[method] = Look(color, marker, "full")
             continue
         engine = method.partition("-")[0]
         color, marker = ENGINES.get(engine, (style.MUTED, "h"))
-        fill = CONFIG_FILLS[seen.get(engine, 0) % len(CONFIG_FILLS)]
+        fill = FILL_STYLES[seen.get(engine, 0) % len(FILL_STYLES)]
         seen[engine] = seen.get(engine, 0) + 1
-        found[method] = Look(color, marker, color if fill == "full" else fill)
+        found[method] = Look(color, marker, fill)
     return found
 
 
@@ -74,8 +85,8 @@ def draw_chart(
     """Writes NAME.svg and NAME.png and returns the svg element for a page."""
     methods = list(dict.fromkeys(point.method for point in points))
     symbols = looks(methods)
-    rows = math.ceil((len(methods) + 2) / 3)
-    bottom = 0.62 + 0.2 * rows
+    rows = math.ceil((len(methods) + 2) / LEGEND_COLUMNS)
+    bottom = 0.6 + 0.172 * rows
     with style.look():
         height = TALL_IN + bottom
         figure = Figure(figsize=(WIDTH_IN, height))
@@ -145,12 +156,12 @@ def _draw_point(axes: Axes, point: Point, look: Look, rails: Rails, gid: str) ->
         return
     y = _height(point, rails)
     low, high = quartiles(point.costs)
-    fill = "none" if not point.counts else look.fill
     axes.plot([min(point.costs), high], [y, y], color=look.color, lw=0.9, alpha=0.55, zorder=3)
     axes.plot([low, high], [y, y], color=look.color, lw=2.2, alpha=0.55, zorder=3)
     axes.plot(
-        [point.cost], [y], ls="none", marker=look.marker, ms=7 if look.marker != "*" else 9,
-        mfc=fill, mec=look.color, mew=1.2, zorder=5, gid=gid, clip_on=False,
+        [point.cost], [y], ls="none", ms=7 if look.marker != "*" else 9, mew=1.2,
+        zorder=5, gid=gid, clip_on=False,
+        **(look if point.counts else replace(look, fill="none")).symbol(),
     )  # fmt: skip
 
 
@@ -183,25 +194,24 @@ def _step(
 def _label(axes: Axes, label: str, rails: Rails) -> None:
     axes.set_xlabel("CPU seconds per simulated second")
     axes.set_ylabel(label)
-    axes.axhspan(rails.top, axes.get_ylim()[1], color="#fbeee8", zorder=0)
-    axes.text(
-        0.995, rails.failed, "failed", transform=axes.get_yaxis_transform(), ha="right",
-        va="center", fontsize=8, color=style.WARNING, zorder=4,
-    )  # fmt: skip
+    low, high = axes.get_ylim()
+    axes.axhspan(rails.top, high, color="#fbeee8", zorder=0)
+    decades = range(round(math.log10(rails.bottom)), round(math.log10(rails.top)) + 1)
+    every = math.ceil(len(decades) / 9)
+    ticks = [(10.0**power, f"$10^{{{power}}}$") for power in decades][::every]
+    ticks.append((rails.failed, "failed"))
     if rails.exact is not None:
-        axes.axhspan(axes.get_ylim()[0], rails.bottom, color="#eaf3ee", zorder=0)
-        axes.text(
-            0.995, rails.exact, "exact to rounding", transform=axes.get_yaxis_transform(),
-            ha="right", va="center", fontsize=8, color="#2f6b4f", zorder=4,
-        )  # fmt: skip
-    ticks = [tick for tick in axes.get_yticks() if rails.bottom <= tick <= rails.top]
-    axes.set_yticks(ticks)
-    low, high = axes.get_xlim()
+        axes.axhspan(low, rails.bottom, color="#eaf3ee", zorder=0)
+        ticks.append((rails.exact, "exact"))
+    axes.set_yticks([place for place, _ in ticks], [name for _, name in ticks])
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.set_ylim(low, high)
+    left, right = axes.get_xlim()
     other = axes.secondary_xaxis("top", functions=(_inverse, _inverse))
     other.set_xlabel("times faster than real time", fontsize=9, color=style.MUTED, labelpad=5)
     other.tick_params(labelsize=8, length=2)
     other.spines["top"].set_visible(False)
-    axes.set_xlim(low, high)
+    axes.set_xlim(left, right)
 
 
 def _inverse(x: Any) -> Any:
@@ -219,8 +229,8 @@ def _legend(
         ring.set_label("tie: within the noise of costs")
         handles.append(ring)
     figure.legend(
-        handles=handles, loc="lower left", ncols=3, fontsize=8, borderaxespad=0,
-        bbox_to_anchor=(0.06, 0.05 / figure.get_figheight()), columnspacing=1.6, handlelength=2.6,
+        handles=handles, loc="lower left", ncols=LEGEND_COLUMNS, fontsize=8, borderaxespad=0,
+        bbox_to_anchor=(0.06, 0.05 / figure.get_figheight()), columnspacing=1.4, handlelength=2.6,
     )  # fmt: skip
 
 
@@ -228,8 +238,7 @@ def _handle(method: str, look: Look) -> Line2D:
     line = "-" if method in OURS else (0, (3, 2))
     label = method.replace("-", ", ", 1)
     return Line2D(
-        [], [], ls=line, lw=1.4, color=look.color, marker=look.marker, ms=6, mfc=look.fill,
-        mec=look.color, label=label,
+        [], [], ls=line, lw=1.4, color=look.color, ms=6, label=label, **look.symbol(),
     )  # fmt: skip
 
 

@@ -136,12 +136,12 @@ def spheres(count: int, duration_s: float) -> Scene:
     rng = np.random.default_rng(5)
     diameter = 0.01
     row = max(2, round((count / 2) ** (1 / 3)))
-    spacing = 1.1 * diameter
+    spacing = 1.02 * diameter
     side = row * spacing
     bodies = []
     for i in range(count):
         cell = np.array([i % row, i // row % row, i // row**2]) + 0.5
-        place = cell * spacing - [side / 2, side / 2, 0] + rng.uniform(-4e-4, 4e-4, 3)
+        place = cell * spacing - [side / 2, side / 2, 0] + rng.uniform(-8e-5, 8e-5, 3)
         bodies.append(
             {
                 "name": f"ball-{i}",

@@ -42,6 +42,8 @@ class Effort:
 
 
 SHORT_S = 2.0
+CUT_OFF = ("not done", "time limit", "did not return")  # how such a failure begins
+DEAR = 10  # times the limit, for scenes whose every run is long
 FULL = Effort(((SHORT_S, 11), (math.inf, 3)), 120.0)
 QUICK = Effort(((0.3, 4), (SHORT_S, 3), (math.inf, 1)), 3.0)
 
@@ -82,6 +84,8 @@ def run_chart(
     BenchError for unknown names, or if another bench writes to the directory.
     """
     chosen = choose_scenes(scenes)
+    if quick and not scenes:
+        chosen = [scene for scene in chosen if not scene.is_dear]
     ladders = choose_ladders(methods)
     effort = QUICK if quick else FULL
     directory = Path(directory)
@@ -162,7 +166,6 @@ class Session:
         entries = own_entries(scene, file, ladders, quick=quick)
         others, refused = peer_entries(scene, file, engines, quick=quick)
         entries += others
-        entries.sort(key=lambda entry: not entry.is_finest)  # references first
         identities = [
             {
                 "inputs_sha256": inputs_hash(scene, file, entry),
@@ -190,17 +193,17 @@ class Session:
         return max(0, self.effort.runs(float(rows[0]["took_s"])) - len(rows))
 
     def run(self, plan: Plan) -> None:
-        """First every setting once, for its errors; then rounds over all settings for costs."""
+        """First every setting once, for its errors; then rounds over all settings for costs, so
+        that a slow minute of the machine hits all alike."""
         self.say(f"{plan.scene.key}: {len(plan.entries)} settings")
-        first = [i for i in range(len(plan.entries)) if not plan.rows(i)]
-        self._round(plan, first, judged=True)
-        while True:
-            todo = [i for i in range(len(plan.entries)) if self._missing(plan, i)]
-            if not todo:
-                break
-            self._round(plan, todo, judged=False)
+        entries = range(len(plan.entries))
+        self._run(plan, [i for i in entries if not plan.rows(i)], judged=True)
+        missing = [self._missing(plan, i) for i in entries]
+        rounds = range(max(missing, default=0))
+        self._run(plan, [i for n in rounds for i in entries if missing[i] > n], judged=False)
 
-    def _round(self, plan: Plan, indices: Sequence[int], *, judged: bool) -> None:
+    def _run(self, plan: Plan, indices: Sequence[int], *, judged: bool) -> None:
+        """Serially, in one worker process."""
         tasks = [self._task(plan, i, judged) for i in indices]
         for event in run_tasks(tasks, run_trial, 1):
             if event.kind in ("done", "failed"):
@@ -220,13 +223,15 @@ class Session:
             entry.overrides,
             scene.measures if judged else (),
             scene.warm_up_s,
-            self.effort.limit_s,
+            self.effort.limit_s * (DEAR if scene.is_dear else 1),
             entry.method if entry.is_peer else "",
         )
 
     def _note(self, plan: Plan, index: int, kind: str, value: Any) -> None:
         entry, rows = plan.entries[index], plan.rows(index)
-        row = value if kind == "done" else {"failed": str(value).splitlines()[0]}
+        row: dict[str, Any] = (
+            value if kind == "done" else {"failed": str(value).splitlines()[0], "took_s": 0}
+        )
         plan.table.add(
             {
                 **row,
@@ -247,7 +252,7 @@ class Session:
 def _is_lost(row: dict[str, str]) -> bool:
     """Whether repeating would tell nothing."""
     failed = row["failed"]
-    return failed in HOPELESS or failed.startswith("not done") or not row["cpu_s_per_sim_s"]
+    return failed in HOPELESS or failed.startswith(CUT_OFF) or not row["cpu_s_per_sim_s"]
 
 
 def _commit() -> str:

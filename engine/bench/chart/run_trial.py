@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import signal
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
@@ -12,9 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ruamel.yaml import YAML
 
-from verisim.bench.chart.trial import Measure, Trial
+from verisim.bench.chart.trial import Measure, Trial, scene_document
 from verisim.pose_log import PoseLog
 
 HOPELESS = ("nonfinite", "energy_gain", "pass_through")  # codes after which errors mean nothing
@@ -54,6 +54,8 @@ class Finished:
 def run_trial(task: Task, report: Any) -> dict[str, Any]:
     """The row of a run, without what names it. Importable by name, as workers need it."""
     begin = time.monotonic()
+    # A run that is stuck within a frame never looks at its limit: this ends the worker.
+    signal.setitimer(signal.ITIMER_PROF, 3 * task.limit_s + 10)
     finished = _run_peer(task) if task.peer else _run_own(task, report)
     row: dict[str, Any] = {
         "cpu_s_per_sim_s": finished.cpu_s_per_sim_s,
@@ -66,6 +68,7 @@ def run_trial(task: Task, report: Any) -> dict[str, Any]:
     }
     if finished.poses is not None and task.measures:
         row |= _judge(task, finished)
+    signal.setitimer(signal.ITIMER_PROF, 0)
     row["took_s"] = time.monotonic() - begin
     return row
 
@@ -147,16 +150,12 @@ def _run_peer(task: Task) -> Finished:
 
 def _judge(task: Task, finished: Finished) -> dict[str, Any]:
     """Errors by measure, and the failure that they show."""
-    from verisim import engine
-
     poses = finished.poses
     assert poses is not None
     finite = np.isfinite(poses.position_m).all() and np.isfinite(poses.linear_velocity_m_s).all()
     if not finite:
         return {"failed": finished.failed or "nonfinite"}
-    overrides = {key: value for key, value in task.overrides.items() if key != "dt_s"}
-    scene = YAML(typ="safe").load(engine.load_scene(task.file, overrides).resolved_yaml)
-    trial = Trial(poses, scene, task.file.parent)
+    trial = Trial(poses, scene_document(task.file), task.file.parent)
     return judge(trial, task.measures, finished.failed)
 
 

@@ -11,12 +11,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ruamel.yaml import YAML
-
 from verisim.bench.chart.bench_scene import BenchScene
 from verisim.bench.chart.contestants import Entry
 from verisim.bench.chart.front import Point
-from verisim.bench.chart.trial import Measure
+from verisim.bench.chart.trial import Measure, scene_document
 from verisim.bench.files import append_row, table_text, whole_rows, write_whole
 
 FACTS = (
@@ -68,7 +66,7 @@ def _text(value: Any) -> str:
 def inputs_hash(scene: BenchScene, file: Path, entry: Entry) -> str:
     """Of everything that a run depends on beside the engine: scene, meshes, setting, measures."""
     digest = hashlib.sha256(file.read_bytes())
-    for body in YAML(typ="safe").load(file)["bodies"]:
+    for body in scene_document(file)["bodies"]:
         if "mesh" in body["shape"]:
             digest.update((file.parent / body["shape"]["mesh"]).read_bytes())
     digest.update(json.dumps(dict(entry.overrides), sort_keys=True, default=str).encode())
