@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import tempfile
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +67,7 @@ def run_peer(
     folder = Path(tempfile.mkdtemp(prefix=f"{config.key}-", dir=directory)).resolve()
     try:
         job = {
-            **asdict(scene),
+            **scene.as_json(),
             "config": config.config,
             "dt_s": 1 / (scene.frame_rate_hz * steps),
             "steps_per_frame": steps,

@@ -24,7 +24,7 @@ MUJOCO_VERSION = "4.0.0"
 LAMMPS_PROGRAM = "lmp"
 CXX_FLAGS = ("-std=c++20", "-O2", "-Wall", "-Wextra", "-ffp-contract=off")
 # Rust that the locked crates need; Debian 12 has 1.63.
-LEAST_RUST = (1, 88)
+LEAST_RUST = (1, 90)
 
 
 class PeerError(RuntimeError):

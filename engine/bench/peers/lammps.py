@@ -21,6 +21,7 @@ PROGRAM = "lmp"
 STEPS_PER_CONTACT = {"default": 40, "20": 20}
 LEAST_RESTITUTION = 0.05  # a linear dashpot that returns nothing would never let go
 SKIN_PER_RADIUS = 0.2  # of neighbour lists
+LEAST_TIMED_S = 0.05
 FIELDS = "x y z vx vy vz omegax omegay omegaz"
 RIGID_FIELDS = "x y z quatw quati quatj quatk vx vy vz omegax omegay omegaz"
 
@@ -95,11 +96,13 @@ def _first(pattern: str, text: str) -> str | None:
 
 
 def _cpu_s(log: str) -> float:
-    """Of the last run: loop time by the share of the processor it had, less the dump's."""
+    """Of the last run: loop time less the dump's, by the share of the processor it had where the
+    loop is long enough for LAMMPS to know it."""
     loop = float(re.findall(r"Loop time of (\S+)", log)[-1])
     share = float(re.findall(r"(\S+)% CPU use", log)[-1]) / 100
     output = re.findall(r"Output\s*\|\s*(\S+)", log)
-    return max(0.0, loop - float(output[-1]) if output else loop) * share
+    stepping = max(loop - float(output[-1]), 0.1 * loop) if output else loop
+    return stepping * (share if loop > LEAST_TIMED_S else 1)
 
 
 def _contact(scene: PeerScene, config: str, dt: float, mass: float) -> str:
