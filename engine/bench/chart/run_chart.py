@@ -43,7 +43,7 @@ class Effort:
 
 SHORT_S = 2.0
 CUT_OFF = ("not done", "time limit", "did not return")  # how such a failure begins
-DEAR = 10  # times the limit, for scenes whose every run is long
+DEAR = 10  # times the limit, for references and for scenes whose every run is long
 FULL = Effort(((SHORT_S, 11), (math.inf, 3)), 120.0)
 QUICK = Effort(((0.3, 4), (SHORT_S, 3), (math.inf, 1)), 3.0)
 
@@ -218,12 +218,13 @@ class Session:
 
     def _task(self, plan: Plan, index: int, judged: bool) -> Task:
         entry, scene = plan.entries[index], plan.scene
+        is_dear = scene.is_dear or (scene.needs_reference and entry.is_finest)
         return Task(
             plan.file,
             entry.overrides,
             scene.measures if judged else (),
             scene.warm_up_s,
-            self.effort.limit_s * (DEAR if scene.is_dear else 1),
+            self.effort.limit_s * (DEAR if is_dear else 1),
             entry.method if entry.is_peer else "",
         )
 
