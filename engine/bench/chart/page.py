@@ -93,6 +93,7 @@ def _section(chart: Charted, drawings: Mapping[tuple[str, str], Drawing]) -> dic
                 "front": front(points),
                 "ties": ties(points),
                 "levels": level_rows(points),
+                "own": chart.own.get(measure.key, {}),
             }
         )
     first = chart.points[chart.scene.measures[0].key]

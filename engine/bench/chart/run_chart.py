@@ -17,7 +17,7 @@ from verisim.bench.chart.contestants import Entry, choose_peers, own_entries, pe
 from verisim.bench.chart.front import Point
 from verisim.bench.chart.ladder import LADDERS, Ladder
 from verisim.bench.chart.run_trial import HOPELESS, Task, run_trial
-from verisim.bench.chart.tables import RunTable, inputs_hash, peers_hash, point_of
+from verisim.bench.chart.tables import RunTable, inputs_hash, own_value, peers_hash, point_of
 from verisim.bench.files import only_bench, write_whole
 from verisim.bench.problems import BenchError
 from verisim.stimuli.cost import machine
@@ -56,6 +56,7 @@ class Charted:
     points: dict[str, list[Point]]
     table: Path
     refused: dict[str, str]
+    own: dict[str, dict[str, float]]  # measure -> contestant -> what its finest run gave
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,17 @@ class Plan:
             for measure in self.scene.measures
         }
         refused = {**self.scene.not_posed, **self.refused}
-        return Charted(self.scene, points, self.table.file, refused)
+        methods = dict.fromkeys(entry.method for entry in self.entries)
+        own = {
+            measure.key: {
+                method: value
+                for method in methods
+                if (value := own_value(self.finest(method), measure)) is not None
+            }
+            for measure in self.scene.measures
+            if measure.is_own
+        }
+        return Charted(self.scene, points, self.table.file, refused, own)
 
 
 class Session:
