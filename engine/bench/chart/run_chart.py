@@ -45,7 +45,7 @@ SHORT_S = 2.0
 CUT_OFF = ("not done", "time limit", "did not return")  # how such a failure begins
 DEAR = 10  # times the limit, for references and for scenes whose every run is long
 FULL = Effort(((SHORT_S, 11), (math.inf, 3)), 120.0)
-QUICK = Effort(((0.3, 4), (SHORT_S, 3), (math.inf, 1)), 3.0)
+QUICK = Effort(((0.3, 4), (SHORT_S, 3), (math.inf, 1)), 2.0)
 
 
 @dataclass(frozen=True)

@@ -102,6 +102,7 @@ def stack_scenes() -> list[BenchScene]:
                 _deepest(0.02),
             ),
             generated.dominoes,
+            is_dear=True,
         ),
         _pile(5, 10, 1.5, 1.5),
         _pile(10, 10),
