@@ -76,3 +76,11 @@ def test_a_run_of_dem_is_near_each_closed_form(scene, tmp_path: Path) -> None:  
     for measure in scene.measures:
         # Measured at most 6e-4 (the way of the rolling ball 2.6e-4, the sticking impact 2.1e-4).
         assert measure.evaluate(trial) < 1e-3, measure.key
+
+
+def test_every_scene_of_the_chart_is_a_scene_that_the_engine_takes(tmp_path: Path) -> None:
+    for scene in all_scenes():
+        loaded = engine.load_scene(scene.write(tmp_path))
+        assert loaded.name == scene.key
+        assert scene.warm_up_s < loaded.duration_s
+        assert len({measure.key for measure in scene.measures}) == len(scene.measures)

@@ -68,6 +68,28 @@ def dominoes(count: int = 20) -> Scene:
     return _scene("dominoes", bodies, 3, wood)
 
 
+def dice(count: int) -> Scene:
+    """Cubes of 0.1 m thrown far from each other: as many seeds of one chaotic throw, in one run."""
+    rng = np.random.default_rng(17)
+    row = math.ceil(math.sqrt(count))
+    bodies = []
+    for i in range(count):
+        angle = rng.uniform(0, 2 * math.pi)
+        speed = rng.uniform(1, 2)
+        bodies.append(
+            _box(
+                f"die-{i}",
+                [0.1] * 3,
+                [6.0 * (i % row), 6.0 * (i // row), rng.uniform(0.4, 0.8)],
+                orientation_wxyz=_turn(rng),
+                velocity_m_s=[speed * math.cos(angle), speed * math.sin(angle), 0.0],
+                angular_velocity_rad_s=[float(x) for x in rng.uniform(-10, 10, 3)],
+            )
+        )
+    wood = {"density_kg_m3": 600, "restitution": 0.3, "friction": 0.4}
+    return _scene(f"dice_{count}", bodies, 2, wood)
+
+
 def stacked_pile(columns: int, layers: int, duration_s: float) -> Scene:
     """Cubes fall from a nearly aligned grid: gaps of 10 mm, 2 mm aside at random."""
     rng = np.random.default_rng(3)

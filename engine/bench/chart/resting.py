@@ -64,6 +64,23 @@ def last_falls_s(trial: Trial) -> float:
     return float(trial.poses.time_s[end - 1] + share * np.diff(trial.poses.time_s)[end - 1])
 
 
+def mean_way_m(trial: Trial) -> float:
+    """Mean way aside (m) of the free bodies at the end."""
+    return float(_ways(trial).mean())
+
+
+def spread_of_ways_m(trial: Trial) -> float:
+    """Standard deviation (m) of those ways."""
+    return float(_ways(trial).std())
+
+
+def _ways(trial: Trial) -> Array:
+    free = trial.free_bodies()
+    moved = trial.poses.position_m[-1, free, :2] - trial.poses.position_m[0, free, :2]
+    ways: Array = np.linalg.norm(moved, axis=-1)
+    return ways
+
+
 def mean_height_m(trial: Trial) -> float:
     """Mean height (m) of the free bodies at the end: how loosely a heap lies."""
     return float(trial.poses.position_m[-1, trial.free_bodies(), 2].mean())

@@ -104,6 +104,32 @@ def stack_scenes() -> list[BenchScene]:
             generated.dominoes,
             is_dear=True,
         ),
+        BenchScene(
+            "dice_64",
+            "Sixty-four dice",
+            "Cubes of 0.1 m are thrown, turning, each far from the others: 64 seeds of a chaotic "
+            "throw. No single way can be right; how far they go on average, and how that scatters, "
+            "can. A mean of 64 ways is itself known to some 5 % only.",
+            (
+                Measure(
+                    "mean_way_m",
+                    "relative error of the mean way",
+                    "the contestant's own finest run",
+                    resting.mean_way_m,
+                    is_own=True,
+                ),
+                Measure(
+                    "spread_m",
+                    "relative error of the spread of ways",
+                    "the contestant's own finest run",
+                    resting.spread_of_ways_m,
+                    is_own=True,
+                ),
+                GAIN,
+                _deepest(0.05),
+            ),
+            partial(generated.dice, 64),
+        ),
         _pile(5, 10, 1.5, 1.5),
         _pile(10, 10),
         _pile(20, 10),
