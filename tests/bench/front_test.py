@@ -51,8 +51,12 @@ def test_costs_within_the_noise_are_a_tie_and_dominate_nothing() -> None:
     assert ties([a, sure]) == []
 
 
-def test_one_run_tells_nothing_about_noise() -> None:
-    assert log_ratio_interval((1.0,), (9.0, 9.1)) == (-math.inf, math.inf)
+def test_a_lone_run_may_be_off_by_a_half_and_not_by_a_factor_of_two() -> None:
+    lone, other = point("a", 0.1, 1.0), point("b", 0.1, 1.5)
+    assert is_tie(lone, other)  # 1.96 * 0.2 * sqrt(2) = 0.554 = log 1.74
+    assert not is_tie(lone, point("c", 0.1, 2.0))
+    low, high = log_ratio_interval((1.0,), (9.0, 9.1))
+    assert low < -math.log(9.05) < high < 0
 
 
 def test_the_interval_covers_the_true_ratio_as_often_as_it_says() -> None:

@@ -123,6 +123,7 @@ def level_rows(points: Sequence[Point]) -> list[LevelRow]:
     return [
         LevelRow(method, row, [cell is not None and cell is best[n] for n, cell in enumerate(row)])
         for method, row in cells.items()
+        if any(row)
     ]
 
 

@@ -141,6 +141,7 @@ class Plan:
             measure.key: [
                 point_of(entry, self.rows(i), measure, self.finest(entry.method))
                 for i, entry in enumerate(self.entries)
+                if not (measure.is_own and entry.is_finest)  # the reference itself
             ]
             for measure in self.scene.measures
         }
