@@ -16,10 +16,11 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "verification"))
-from box_overlap import overlaps
 from drops import Outcome, run_scenes, write_scene
 from impacts import Impact, judge
 from piles import EDGE_M, IMPACTS, PENETRATIONS_M, stacked_pile, tumbled_pile
+
+from verisim.bench.chart.overlap import overlaps
 
 SPEED_M_S = 1e-5  # mean, at rest
 # Energy left unexplained, where the target of 1e-3 is missed today: 1.5 times what was measured.

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from box_overlap import overlaps
 from ruamel.yaml import YAML
 from scipy.spatial.transform import Rotation
 
 import verisim.stimuli
 from verisim import engine
+from verisim.bench.chart.overlap import overlaps
 from verisim.pose_log import PoseLog
 
 Array = npt.NDArray[np.float64]
