@@ -16,8 +16,11 @@ from verisim.bench.chart.ladder import Ladder, Rung, Times
 from verisim.bench.chart.trial import scene_document
 from verisim.bench.problems import BenchError
 
-PEER_STEPS = {"dt 1/60": 1 / 60, "dt 1/240": 1 / 240, "dt 1/1000": 1e-3, "dt 1/4000": 1 / 4000}
-QUICK_PEER_STEPS = ("dt 1/60", "dt 1/240")
+# Steps per second of other engines; a quick bench takes the first two. LAMMPS resolves contacts in
+# 20 or 40 steps, so that long ones make its springs too soft to carry anything.
+PEER_STEPS: tuple[int, ...] = (60, 240, 1000, 4000)
+STEPS_OF: dict[str, tuple[int, ...]] = {"lammps": (4000, 20000, 100000)}
+NUM_QUICK = 2
 # What the engine chooses depends on none of these.
 NOT_PROBED = ("physics.dt_s", "physics.steps_per_contact", "duration_s")
 PROBE_S = 1e-6  # long enough for the engine to say what it chooses
@@ -93,18 +96,25 @@ def peer_entries(
     base: dict[str, Any] = {}
     if quick and scene.quick_duration_s is not None:
         base["duration_s"] = scene.quick_duration_s
-    posed = peers.peer_scene(file, base)
-    steps = QUICK_PEER_STEPS if quick or scene.is_dear else tuple(PEER_STEPS)
-    entries, refused = [], {}
+    entries: list[Entry] = []
+    refused: dict[str, str] = {}
+    posed_as: dict[str, peers.PeerScene] = {}
     for config in peers.contestants():
         if config.engine not in engines:
             continue
+        own = {**base, **scene.settings.get(config.engine, {})}
+        if repr(own) not in posed_as:
+            posed_as[repr(own)] = peers.peer_scene(file, own)
+        posed = posed_as[repr(own)]
         if why := peers.cannot_pose(config, posed):
             refused[config.key] = why
             continue
-        for name in steps:
-            overrides = {**base, "dt_s": PEER_STEPS[name]}
-            is_finest = name == steps[-1]
+        rates = STEPS_OF.get(config.engine, PEER_STEPS)
+        if quick or scene.is_dear:
+            rates = rates[:NUM_QUICK]
+        for rate in rates:
+            overrides = {**own, "dt_s": 1 / rate}
+            name, is_finest = f"dt 1/{rate}", rate == rates[-1]
             entries.append(Entry(config.key, name, overrides, is_peer=True, is_finest=is_finest))
     return entries, refused
 

@@ -172,6 +172,9 @@ def stack_scenes() -> list[BenchScene]:
             "64 cubes of 30 mm on a heap: 27 spheres each for seed and LAMMPS, boxes for others.",
             (GAIN, HEIGHT),
             partial(generated.sphere_cubes, 64, 1),
-            settings={"seed": {"physics.particle_size_m": 0.01}},
+            settings={
+                "seed": {"physics.particle_size_m": 0.01},
+                "lammps": {"physics.method": "seed", "physics.particle_size_m": 0.01},
+            },
         ),
     ]
