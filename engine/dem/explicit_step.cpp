@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "dem/contact_tracking.h"
 #include "dem/prescribed.h"
+#include "dem/restitution.h"
 #include "dem/rotation.h"
 #include "dem/tangential_law.h"
 #include "dem/tethers.h"
@@ -139,7 +139,7 @@ double contact_step(const Island& island, const ContactSettings& settings) {
                                     rates[static_cast<std::size_t>(local.b)]);
   }
   if (fastest <= 0) return std::numeric_limits<double>::infinity();
-  return std::numbers::pi / (settings.steps_per_contact * std::sqrt(fastest));
+  return impact_step(settings.steps_per_contact) / std::sqrt(fastest);
 }
 
 void kick(Island& island, double duration, const Vector3d& gravity) {

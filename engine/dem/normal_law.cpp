@@ -69,7 +69,7 @@ double discrete_restitution(NormalLaw law, double factor, int steps) {
   // Unit mass, stiffness and approach speed.
   const bool is_hertz = law == NormalLaw::kHertzMindlin;
   const double time = is_hertz ? kHertzTime * hertz_depth(1, 1, 1) : std::numbers::pi;
-  const double h = time / steps;
+  const double h = time / std::numbers::pi * impact_step(steps);
   double depth = 0, speed = 1, force = 0;
   for (int i = 0; i < 100 * steps; ++i) {
     const double half = speed - 0.5 * h * force;

@@ -38,6 +38,8 @@ constexpr Accuracy kRough{1e-2, 1e-2, 4};
 // Residual at the start of a step, as a share of the weights, from where an island counts as
 // moving.
 constexpr double kCalm = 0.1;
+// A friction this close to its bound is at it: rounding may leave it just below.
+constexpr double kAtBound = 1e-9;
 constexpr int kPile = 20;  // free bodies from where it is done so
 // Block products of a factorisation, per edge, above which gradients are cheaper.
 constexpr double kMostFill = 60;
@@ -366,7 +368,7 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
     double change = 0, whole = 0;
     for (const RestRow& row : rows_) {
       const double bound = row.friction * row.load;
-      const bool sticks = row.tangential.norm() < std::min(row.bound, bound);
+      const bool sticks = row.tangential.norm() < (1 - kAtBound) * std::min(row.bound, bound);
       if (!sticks) change += (bound - row.bound) * (bound - row.bound);
       whole += bound * bound;
     }

@@ -25,8 +25,10 @@ double hunt_crossley_factor(double restitution) {
   });
 }
 
+double impact_step(int steps) { return 2 * std::sin(std::numbers::pi / (2 * steps)); }
+
 double discrete_restitution(double factor, int steps) {
-  const double h = std::numbers::pi / steps;
+  const double h = impact_step(steps);
   double depth = 0, speed = 1, force = 0;  // unit mass, stiffness and approach speed
   for (int i = 0; i < 100 * steps; ++i) {
     const double half = speed - 0.5 * h * force;

@@ -13,8 +13,12 @@ constexpr double kLeastRestitution = 0.02;
 /// Restitutions below kLeastRestitution count as that.
 double hunt_crossley_factor(double restitution);
 
-/// The d with which the discrete kick-drift-kick impact of `steps` steps per elastic contact time
-/// (pi sqrt(m/k)) that begins at touch-down returns e exactly.
+/// Step (of sqrt(m/k)) with which an elastic kick-drift-kick impact lasts `steps` whole steps: pi
+/// over it but for the scheme's own frequency. An elastic impact then keeps its speed to rounding.
+double impact_step(int steps);
+
+/// The d with which the discrete kick-drift-kick impact of `steps` steps that begins at touch-down
+/// returns e exactly.
 double calibrated_factor(double restitution, int steps);
 
 /// Restitution of that discrete impact for a given d.

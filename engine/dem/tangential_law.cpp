@@ -27,7 +27,8 @@ double inverse_mass_across(const BodyState& a, const BodyState& b, const Vector3
 
 /// Friction that leaves no sliding after the step, beside a spring that holds what stands still.
 Vector3d rigid_stick(ContactPoint& point, const BodyState& a, const BodyState& b, const Grip& grip,
-                     double shear, double limit, const Vector3d& trial, Vector3d& kept) {
+                     double shear, double limit, const Vector3d& stretch, Vector3d& kept) {
+  const Vector3d trial = stretch + grip.drift * grip.sliding;
   const double speed = grip.sliding.norm();
   double viscous = 0;
   if (speed > 0 && grip.drift > 0) {
@@ -40,7 +41,9 @@ Vector3d rigid_stick(ContactPoint& point, const BodyState& a, const BodyState& b
   if (size > limit) {
     point.has_slid = true;
     friction *= limit / size;
-    kept.setZero();
+    // What held before holds what Coulomb allows; what slides in an impact holds nothing.
+    const double longest = stretch.isZero(0) ? 0 : limit / shear, stretched = trial.norm();
+    if (stretched > longest) kept *= longest / stretched;
   }
   return friction;
 }
@@ -54,7 +57,10 @@ Vector3d friction_force(const LocalPair& local, ContactPoint& point, const BodyS
   const bool is_mindlin = settings.contact_law == NormalLaw::kHertzMindlin;
   const double ratio = is_mindlin ? law.mindlin : settings.tangential_ratio;
   const double shear = ratio * grip.stiffness;
-  Vector3d stretch = turned_into_plane(b.rotation * point.stretch_b, point.normal);
+  Vector3d stretch = b.rotation * point.stretch_b;
+  // Kept in the frame of b, it turned with b; it turns with the mean of both, whichever is b.
+  stretch += (0.5 * grip.drift * point.normal.dot(a.spin - b.spin)) * point.normal.cross(stretch);
+  stretch = turned_into_plane(stretch, point.normal);
   if (is_mindlin) {
     if (point.shear > 0 && shear > point.shear) stretch *= point.shear / shear;
     point.shear = shear;
@@ -63,7 +69,7 @@ Vector3d friction_force(const LocalPair& local, ContactPoint& point, const BodyS
   const double limit = law.friction * grip.load;
   Vector3d kept = trial, friction;
   if (settings.tangential_law == TangentialLaw::kRigidStick) {
-    friction = rigid_stick(point, a, b, grip, shear, limit, trial, kept);
+    friction = rigid_stick(point, a, b, grip, shear, limit, stretch, kept);
   } else {
     const double viscous = grip.damping * ratio;
     friction = -shear * trial - viscous * grip.sliding;

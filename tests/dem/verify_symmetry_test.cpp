@@ -84,10 +84,8 @@ TEST_CASE("the_order_of_bodies_does_not_matter") {
     const double by_swap = distance(straight, swapped, same, {1, 0, 3, 2, 4, 5});
     const double by_order = distance(straight, permuted, same, {4, 5, 2, 1, 3, 0});
     tell("order: hybrid, swap, permutation (m)", steps == Steps::kHybrid, by_swap, by_order);
-    // Target 1e-9, not met where balls meet: their tangential spring lives in the frame of the
-    // second, and turns with it. Measured 7.4e-7; boxes alone 4e-12.
-    CHECK(by_swap < 1.5e-6);
-    CHECK(by_order < 1.5e-6);
+    CHECK(by_swap < 1e-9);  // measured 3.5e-12
+    CHECK(by_order < 1e-9);
   }
 }
 
