@@ -15,10 +15,10 @@ namespace {
 using Eigen::Vector3d;
 
 // Passes over the pairs of an island; what still approaches then is stopped by the next substep.
-constexpr int kMostRounds = 200;
+constexpr int kMostRounds = 32;
 // Sweeps over the points of one pair, and the change (of the approach speed) that ends them.
 constexpr int kMostSweeps = 200;
-constexpr double kSettled = 1e-13;
+constexpr double kSettled = 1e-12;
 // Halvings of the interval in which the restitution of an impact that would gain energy lies.
 constexpr int kHalvings = 30;
 constexpr double kRounding = 1e-12;
@@ -139,7 +139,7 @@ class Impacts {
     after_[at(local.b)] = before_[at(local.b)];
     for (int n = 0; n < kMostSweeps; ++n) {
       const double pushed = sweep_loads(rows_, island_, 1, after_);
-      const double held = sweep_grips(rows_, island_, after_);
+      const double held = sweep_grips(rows_, island_, 1, after_);
       if (std::max(pushed, held) <= kSettled * fastest) break;
     }
   }
@@ -163,7 +163,9 @@ class Impacts {
       state.path_low = state.path_low.cwiseMin(state.position);
       state.path_high = state.path_high.cwiseMax(state.position);
       lifted -= state.mass * settings_.gravity.dot(shift);
+      lifted -= 0.5 * state.angular_momentum.dot(state.spin);
       refresh(state);
+      lifted += 0.5 * state.angular_momentum.dot(state.spin);
       before_[at(body)] = after_[at(body)] = {state.velocity, state.spin};
     }
     books.damping_work -= lifted;

@@ -53,6 +53,20 @@ double hold(Row& row, const Island& island, std::vector<Rates>& rates) {
   return change.norm() * row.inverse_mass;
 }
 
+template <class Change>
+double sweep(Rows& rows, int inner, const Change& change) {
+  double largest = 0;
+  for (const RowBlock& block : rows.blocks) {
+    const int times = block.end - block.first > 1 ? inner : 1;
+    for (int n = 0; n < times; ++n) {
+      for (int i = block.first; i < block.end; ++i) {
+        largest = std::max(largest, change(rows.rows[at(i)]));
+      }
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 Row& add_row(Rows& rows, const Island& island, int pair, int point, const Vector3d& place,
@@ -99,22 +113,11 @@ void apply_load(const Row& row, const Vector3d& load, const Island& island,
 }
 
 double sweep_loads(Rows& rows, const Island& island, int inner, std::vector<Rates>& rates) {
-  double largest = 0;
-  for (const RowBlock& block : rows.blocks) {
-    const int times = block.end - block.first > 1 ? inner : 1;
-    for (int n = 0; n < times; ++n) {
-      for (int i = block.first; i < block.end; ++i) {
-        largest = std::max(largest, push(rows.rows[at(i)], island, rates));
-      }
-    }
-  }
-  return largest;
+  return sweep(rows, inner, [&](Row& row) { return push(row, island, rates); });
 }
 
-double sweep_grips(Rows& rows, const Island& island, std::vector<Rates>& rates) {
-  double largest = 0;
-  for (Row& row : rows.rows) largest = std::max(largest, hold(row, island, rates));
-  return largest;
+double sweep_grips(Rows& rows, const Island& island, int inner, std::vector<Rates>& rates) {
+  return sweep(rows, inner, [&](Row& row) { return hold(row, island, rates); });
 }
 
 void read_velocities(const Island& island, std::vector<Rates>& rates) {

@@ -64,8 +64,8 @@ void apply_load(const Row& row, const Eigen::Vector3d& load, const Island& islan
 /// from. Returns the largest change of a rate.
 double sweep_loads(Rows& rows, const Island& island, int inner, std::vector<Rates>& rates);
 
-/// One sweep over the grips. Returns the largest change of a rate.
-double sweep_grips(Rows& rows, const Island& island, std::vector<Rates>& rates);
+/// The same over the grips.
+double sweep_grips(Rows& rows, const Island& island, int inner, std::vector<Rates>& rates);
 
 /// Velocities of all bodies of an island.
 void read_velocities(const Island& island, std::vector<Rates>& rates);

@@ -105,14 +105,17 @@ void collect(Island& island, const ContactSettings& settings, Substep& s) {
 /// Moves bodies by the corrections; momenta take what they mean over the step.
 void correct_positions(Island& island, const ContactSettings& settings, Substep& s) {
   thread_local std::vector<Rates> corrections, before, after;
+  thread_local std::vector<Vector3d> momenta;
   corrections.assign(island.bodies.size(), Rates{});
   sweep_loads(s.rows, island, kInnerSweeps, corrections);
-  sweep_grips(s.rows, island, corrections);
+  sweep_grips(s.rows, island, kInnerSweeps, corrections);
 
   read_velocities(island, before);
-  double lifted = 0;
+  momenta.clear();
+  double lifted = 0, turned = 0;
   for (int i = 0; i < island.num_free; ++i) {
     BodyState& body = island.bodies[at(i)];
+    momenta.push_back(body.angular_momentum);
     const Rates& correction = corrections[at(i)];
     if (correction.linear.isZero(0) && correction.angular.isZero(0)) continue;
     body.position += correction.linear;
@@ -126,9 +129,14 @@ void correct_positions(Island& island, const ContactSettings& settings, Substep&
   read_velocities(island, after);
   book_loads(s.rows, 1 / s.load_time, before, after, island);
   // The corrections stand for a drift with the velocities after the loads, of which the two kicks
-  // have seen one half.
-  island.books.damping_work -= 0.5 * lifted;
-  island.books.correction_work -= 0.5 * lifted;
+  // have seen one half; turned bodies spin otherwise at the same angular momentum.
+  for (int i = 0; i < island.num_free; ++i) {
+    const BodyState& body = island.bodies[at(i)];
+    turned +=
+        0.5 * (momenta[at(i)].dot(body.spin) - body.angular_momentum.dot(before[at(i)].angular));
+  }
+  island.books.damping_work -= 0.5 * lifted + turned;
+  island.books.correction_work -= 0.5 * lifted + turned;
 
   for (const Row& row : s.rows.rows) {
     ContactPoint& point = island.pairs[at(row.pair)].pair.points[at(row.point)];
@@ -166,7 +174,7 @@ void correct_velocities(Island& island, Substep& s) {
     apply_load(now, 0.5 * (now.load * now.normal + now.grip), island, rates);
   }
   sweep_loads(rows, island, kInnerSweeps, rates);
-  sweep_grips(rows, island, rates);
+  sweep_grips(rows, island, kInnerSweeps, rates);
 
   std::size_t next = 0;
   for (const Row& row : s.rows.rows) {

@@ -238,6 +238,7 @@ class Reader {
     belongs_to("tangential_law", is_dem, "dem");
     belongs_to("stiffness_n_m", !is_xpbd, "dem or seed");
     belongs_to("substeps", is_xpbd, "xpbd");
+    if (is_xpbd) refuse_rolling_friction();
     read_laws(node);
     read(node["particle_size_m"], physics.particle_size);
     read(node["dt_s"], physics.dt);
@@ -246,6 +247,20 @@ class Reader {
     read(node["tangential_damping_ratio"], physics.tangential_damping_ratio);
     if (physics.dt && *physics.dt > scene_.duration) {
       add("physics.dt_s", node["dt_s"], "at most duration_s");
+    }
+  }
+
+  void refuse_rolling_friction() {
+    const std::string allowed = "0 with method: xpbd", hint = "method dem resists rolling";
+    for (const Material& material : scene_.materials) {
+      if (material.rolling_friction == 0) continue;
+      add("materials." + material.name + ".rolling_friction",
+          root_["materials"][material.name]["rolling_friction"], allowed, hint);
+    }
+    for (std::size_t i = 0; i < scene_.material_pairs.size(); ++i) {
+      if (scene_.material_pairs[i].rolling_friction.value_or(0) == 0) continue;
+      add("material_pairs." + std::to_string(i) + ".rolling_friction",
+          root_["material_pairs"][i]["rolling_friction"], allowed, hint);
     }
   }
 
@@ -282,6 +297,9 @@ class Reader {
     if (!node) return;
     if (node.size() > 0 && scene_.physics.method == dem::Method::kSeed) {
       add("modules", node, "only with method: dem", "remove modules, or physics.method");
+    }
+    if (node["tethers"] && scene_.physics.method == dem::Method::kXpbd) {
+      add("modules.tethers", node["tethers"], "only with method: dem");
     }
     if (node["wind"]) read_wind(node["wind"]);
     for (std::size_t i = 0; node["tethers"] && i < node["tethers"].size(); ++i) {
