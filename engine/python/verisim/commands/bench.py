@@ -29,7 +29,7 @@ def register(app: typer.Typer) -> None:
             str | None,
             typer.Option(
                 metavar="NAMES",
-                help="Comma-separated, of seed, dem-explicit and dem-hybrid; default: all.",
+                help="Comma-separated, of seed, dem-explicit, dem-hybrid and xpbd; default: all.",
             ),
         ] = None,
         jobs: Annotated[
