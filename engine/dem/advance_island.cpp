@@ -115,10 +115,11 @@ void advance_at_rest(Island& island, double end, double impact_at,
                      const ContactSettings& settings) {
   const double frame = end - island.time;
   const double on_time = kOnTime * frame;
+  double longest = frame;
   while (end - island.time > on_time) {
     const double remaining = end - island.time;
     if (!has_contact(island) || has_impact(island, remaining, impact_at, settings)) return;
-    double step = std::min(remaining, straight_step(island, settings));
+    double step = std::min({remaining, longest, straight_step(island, settings)});
     if (settings.wind) step = wind_step(island, *settings.wind, settings.gravity, step);
     // Equal steps to the end.
     step = remaining / std::ceil(remaining / step - 1e-9);
@@ -129,6 +130,7 @@ void advance_at_rest(Island& island, double end, double impact_at,
     }
     if (!is_done) advance_explicitly(island, island.time + step, 0, settings);
     if (!island.books.is_finite) return;
+    longest = 2 * step;
   }
   island.time = end;
 }

@@ -285,7 +285,7 @@ void find_box_points(const BodyState& a, const BodyState& b, double margin, int 
     add_points_of_face(true);
     return;
   }
-  if (meets_parallel_face(box_a, box_b, face)) {
+  if (meets_parallel_face(box_a, box_b, face) || any.normal.dot(face.normal) > kParallelFaces) {
     add_points_of_face(false);
     double deepest = -margin;
     for (const FoundPoint& point : found.points) deepest = std::max(deepest, point.depth);

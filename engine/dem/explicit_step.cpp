@@ -210,17 +210,27 @@ void apply(LocalPair& local, ContactPoint& point, const Touching& touching, doub
   island.books.max_overlap = std::max(island.books.max_overlap, point.depth);
 }
 
+/// Fastest approach (m/s) of a pair's points that touch or are about to.
+double fastest_closing(const LocalPair& local, const Island& island,
+                       const ContactSettings& settings) {
+  double fastest = -std::numeric_limits<double>::infinity();
+  for (const ContactPoint& point : local.pair.points) {
+    if (point.depth < -kTouchDown * settings.impact_depth) continue;
+    fastest = std::max(fastest, closing_speed(local, island.bodies, point));
+  }
+  return fastest;
+}
+
 /// Stiffness and damping scale follow what the pair goes through now.
 void adapt(LocalPair& local, Island& island, double drift, const ContactSettings& settings) {
   ContactPair& pair = local.pair;
   const BodyState& a = body_a(island, local);
   const BodyState& b = body_b(island, local);
   const double mass = 1 / inverse_pair_mass(a, b);
-  double fastest = -std::numeric_limits<double>::infinity(), heaviest = 0;
+  const double fastest = fastest_closing(local, island, settings);
+  double heaviest = 0;
   for (const ContactPoint& point : pair.points) {
     if (point.depth < -kTouchDown * settings.impact_depth) continue;
-    const double speed = closing_speed(local, island.bodies, point);
-    fastest = std::max(fastest, speed);
     heaviest = std::max(heaviest, point.load / point.weight);
   }
   const bool is_compressing = fastest > 0;
@@ -297,6 +307,9 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
     } else if (local.pair.is_touching && !island.has_forces) {
       look_and_book(local, island, settings.impact_depth);
       update_contact(local, island, settings, touch_down);
+      // It may come from a step at rest, whose speeds are no scale for what begins now.
+      local.pair.approach_speed =
+          std::max(local.pair.approach_speed, fastest_closing(local, island, settings));
     }
     is_any_touching = is_any_touching || local.pair.is_touching;
   }

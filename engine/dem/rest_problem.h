@@ -43,7 +43,8 @@ class RestProblem {
   void set_up(Island& island, double duration, const ContactSettings& settings);
   /// Takes over stiffness and offset of all points after they were changed.
   void refresh_rows(const ContactSettings& settings);
-  Outcome solve();
+  /// `is_rough`: loads to a hundredth, where stiffness is still sought.
+  Outcome solve(bool is_rough);
 
   std::vector<RestRow>& rows() { return rows_; }
   /// Velocity and spin of the free bodies after the step, exactly by the loads of all rows.
@@ -71,6 +72,7 @@ class RestProblem {
   BlockCholesky cholesky_;
   BlockGradients gradients_;
   bool is_direct_ = true, is_analysed_ = false;
+  bool is_first_ = true, is_moving_ = false;  // of the solves of this step
   std::vector<BlockMatrix::Edge> analysed_edges_;
   std::size_t analysed_size_ = 0;
 };

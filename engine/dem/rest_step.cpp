@@ -20,16 +20,17 @@ constexpr double kUnseenRise = 1e-3;
 // Stiffness grows by no more than this factor at a time: resting loads are found at once, the
 // spike of an impact must not stiffen what rests afterwards.
 constexpr double kMostStiffening = 100, kMostStiffeningInImpact = 4;
-constexpr int kPile = 100;  // free bodies
 constexpr int kMostSolves = 5;
-// Depths of rest that an impact may press in a spring, and one that holds something already: that
-// one keeps what it is stiffened by as an offset.
-constexpr double kImpactDepth = 4, kPressedImpactDepth = 20;
+// Depths of rest that an impact may press in a spring.
+constexpr double kImpactDepth = 4;
 // Load of a spring, of what presses it in by the depth of rest, beyond which it is stiffened and
 // below which it may soften. Wide apart, so that a load that swings a little moves neither.
 constexpr double kOverload = 1.5, kUnderload = 0.3;
 // A step that ends deeper than it aimed at, by more depths of rest than this, is too long.
 constexpr double kSurprise = 5;
+// Energy that springs hold at the end of a step beyond what it aimed at, because surfaces turned
+// towards each other within it: as a share of the island's kinetic energy, what is accepted.
+constexpr double kTurnedTowards = 1e-5;
 // Offsets from the projected path smaller than this share of the depth of rest are left out.
 constexpr double kUnseenShift = 1e-4;
 
@@ -54,12 +55,21 @@ SpringEnergy spring_energy(const Island& island, double tangential_ratio) {
   return sum;
 }
 
-double kinetic_and_potential(const Island& island, const Vector3d& gravity) {
+double kinetic_energy(const Island& island) {
   double sum = 0;
   for (int i = 0; i < island.num_free; ++i) {
     const BodyState& body = island.bodies[at(i)];
-    sum += 0.5 * body.mass * body.velocity.squaredNorm() +
-           0.5 * body.angular_momentum.dot(body.spin) - body.mass * gravity.dot(body.position);
+    sum +=
+        0.5 * body.mass * body.velocity.squaredNorm() + 0.5 * body.angular_momentum.dot(body.spin);
+  }
+  return sum;
+}
+
+double kinetic_and_potential(const Island& island, const Vector3d& gravity) {
+  double sum = kinetic_energy(island);
+  for (int i = 0; i < island.num_free; ++i) {
+    const BodyState& body = island.bodies[at(i)];
+    sum -= body.mass * gravity.dot(body.position);
   }
   return sum;
 }
@@ -129,7 +139,7 @@ bool stiffen_overloaded(RestProblem& problem, Island& island, const ContactSetti
     }
     double most = kMostStiffening, depth = settings.rest_depth;
     if (fastest > least_impact_speed(settings)) {
-      depth *= is_pressed ? kPressedImpactDepth : kImpactDepth;
+      depth *= kImpactDepth;
       if (is_pressed) most = kMostStiffeningInImpact;
     }
     first = r;
@@ -285,7 +295,7 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
         point.stretch_b.setZero();
         point.load = 0;
         point.is_touching = false;
-        if (point.depth <= 0) point.offset = 0;
+        point.offset = std::max(0.0, point.depth);
         continue;
       }
       point.is_touching = true;
@@ -331,6 +341,7 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
     relax_stiffness(local, island, settings);
   }
   const SpringEnergy springs_start = spring_energy(island, settings.tangential_ratio);
+  const double kinetic_start = kinetic_energy(island);
   const double energy_start =
       kinetic_and_potential(island, settings.gravity) + springs_start.total();
   const double outside_start = island.books.outside_work;
@@ -338,15 +349,14 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
 
   thread_local RestProblem problem;  // knows the pattern of its matrix again
   problem.set_up(island, duration, settings);
-  RestProblem::Outcome outcome;
   int newton_steps = 0;
-  const int most_solves = island.num_free > kPile ? 2 : kMostSolves;
-  for (int i = 0; i < most_solves; ++i) {
-    outcome = problem.solve();
-    newton_steps += outcome.newton_steps;
-    if (i + 1 == most_solves || !stiffen_overloaded(problem, island, settings)) break;
+  for (int i = 0; i + 1 < kMostSolves; ++i) {
+    newton_steps += problem.solve(true).newton_steps;
+    if (!stiffen_overloaded(problem, island, settings)) break;
     problem.refresh_rows(settings);
   }
+  const RestProblem::Outcome outcome = problem.solve(false);
+  newton_steps += outcome.newton_steps;
   const double aimed_at = move(problem, island, duration, settings);
   const double given_up = island.books.damping_work;
   const double surprise = keep_contacts(problem, island, settings, duration);
@@ -370,6 +380,7 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
     unseen += island.bodies[at(i)].mass * settings.gravity.norm() * settings.rest_depth;
   }
   const bool is_good = outcome.converged && rise <= kUnseenRise * unseen &&
+                       -turned_away <= kUnseenRise * unseen + kTurnedTowards * kinetic_start &&
                        surprise <= kSurprise * settings.rest_depth;
   if (!is_good) {
     island.bodies = before.bodies;

@@ -101,9 +101,9 @@ def test_a_prediction_that_changed_after_the_run_is_owned_up_to(
 
 
 def test_wrong_arguments_are_refused_with_what_is_allowed(tmp_path: Path, bench: Command) -> None:
-    nothing = bench("-o", "maps")
-    assert nothing.returncode == 2
-    assert "--stability" in nothing.stderr
+    mixed = bench("bounce", "-o", "maps", "--stability")
+    assert mixed.returncode == 2
+    assert "SCENE goes without --stability" in mixed.stderr
 
     unknown = bench("--stability", "-o", "maps", "--maps", "tower,towers", "--methods", "dam")
     assert unknown.returncode == 2

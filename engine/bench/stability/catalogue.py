@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from verisim.bench.problems import BenchError
 from verisim.bench.stability.cells import METHODS, SPRINGS, StabilityMap
 from verisim.bench.stability.column_maps import column_maps
 from verisim.bench.stability.impact_maps import impact_maps
-from verisim.bench.stability.problems import BenchError
 from verisim.bench.stability.xpbd_maps import xpbd_maps
 
 NOT_POSED = {

@@ -18,8 +18,9 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import Normal, Stroke
 
 from verisim.analysis import style
+from verisim.bench.files import write_whole
 from verisim.bench.stability.cells import CODES, HOLDS, Line, StabilityMap
-from verisim.bench.stability.tables import Cell, RunLog, is_right, write_whole
+from verisim.bench.stability.tables import Cell, RunLog, is_right
 
 FILL = {
     "ok": "#e4eef4",

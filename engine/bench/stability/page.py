@@ -10,11 +10,11 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from verisim.bench.files import write_whole
 from verisim.bench.stability.catalogue import NOT_POSED
 from verisim.bench.stability.cells import CODES, StabilityMap
 from verisim.bench.stability.draw import Drawing, number_words
 from verisim.bench.stability.score import Score, percent
-from verisim.bench.stability.tables import write_whole
 
 ABOUT = {
     "stiffness_step": "Three boxes stand on each other. Too soft, their weight presses the springs "
@@ -42,7 +42,7 @@ def write_page(
 ) -> None:
     """Everything that was found, as one file that appears when it is complete."""
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
+        loader=FileSystemLoader([Path(__file__).parent, Path(__file__).parent.parent]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

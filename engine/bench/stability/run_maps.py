@@ -3,18 +3,16 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from verisim.bench.files import only_bench, table_text, write_whole
 from verisim.bench.stability.catalogue import choose
 from verisim.bench.stability.cells import StabilityMap
-from verisim.bench.stability.problems import BenchError
 from verisim.bench.stability.run_cell import run_cell, unfinished
 from verisim.bench.stability.score import SCORE_COLUMNS, Score, score_cells
 from verisim.bench.stability.tables import (
@@ -23,9 +21,7 @@ from verisim.bench.stability.tables import (
     RunLog,
     make_cell,
     outcome_rows,
-    table_text,
     write_predictions,
-    write_whole,
 )
 from verisim.stimuli.engine_build import engine_build
 from verisim.stimuli.workers import run_tasks
@@ -62,7 +58,7 @@ def run_stability(
     """
     chosen = choose(maps, methods)
     directory = Path(directory)
-    with _only_bench(directory):
+    with only_bench(directory):
         for stale in ("outcomes.csv", "scores.csv", "index.html"):
             (directory / stale).unlink(missing_ok=True)
         if say:
@@ -138,20 +134,3 @@ def _show(
     page = directory / "index.html"
     write_page(page, chosen, drawings, scores, rows, facts)
     return page
-
-
-@contextmanager
-def _only_bench(directory: Path) -> Iterator[None]:
-    """Makes the directory and keeps other benches out of it."""
-    if directory.exists() and not directory.is_dir():
-        raise BenchError(f"-o: saw {directory}, a file\n  hint: name a folder for the maps")
-    directory.mkdir(parents=True, exist_ok=True)
-    with (directory / ".lock").open("w") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise BenchError(
-                f"{directory}: another bench is writing here\n"
-                "  hint: wait for it, or choose another folder with -o"
-            ) from error
-        yield

@@ -7,16 +7,14 @@ dropped. outcomes.csv stands only beside a complete bench.
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
 import json
-import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from verisim.bench.files import append_row, table_text, whole_rows, write_whole
 from verisim.bench.stability.cells import Pose, Prediction, StabilityMap
 
 PREDICTION_COLUMNS = ("map", "method", "x", "y", "predicted", "limit", "value", "inputs_sha256")
@@ -90,32 +88,12 @@ def write_predictions(file: Path, cells: Sequence[Cell]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def table_text(columns: Sequence[str], rows: Iterable[dict[str, Any]]) -> str:
-    buffer = io.StringIO()
-    writer = csv.DictWriter(buffer, columns, lineterminator="\n", extrasaction="ignore")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({key: "" if value is None else value for key, value in row.items()})
-    return buffer.getvalue()
-
-
-def write_whole(file: Path, content: str | bytes) -> None:
-    """The file appears complete or not at all."""
-    part = file.with_name(f".{file.name}.part")
-    data = content.encode() if isinstance(content, str) else content
-    with part.open("wb") as stream:
-        stream.write(data)
-        stream.flush()
-        os.fsync(stream.fileno())
-    part.replace(file)
-
-
 class RunLog:
     """runs.csv: rows by inputs and engine."""
 
     def __init__(self, file: Path, engine_build: str) -> None:
         self.file, self.engine_build = file, engine_build
-        rows = _whole_rows(file)
+        rows = whole_rows(file, RUN_COLUMNS)
         # Without the cut-off row, and with the columns of today.
         write_whole(file, table_text(RUN_COLUMNS, rows))
         self.rows = {
@@ -133,21 +111,8 @@ class RunLog:
             "predicted_before": cell.prediction.words,
             **{key: "" if value is None else value for key, value in outcome.items()},
         }
-        text = table_text(RUN_COLUMNS, [row]).split("\n", 1)[1]
-        with self.file.open("a", encoding="utf-8", newline="") as stream:
-            stream.write(text)
+        append_row(self.file, RUN_COLUMNS, row)
         self.rows[cell.inputs_sha256] = {key: str(value) for key, value in row.items()}
-
-
-def _whole_rows(file: Path) -> list[dict[str, str]]:
-    if not file.is_file():
-        return []
-    text = file.read_text("utf-8")
-    text = text[: text.rfind("\n") + 1]  # a row that was cut off has no end of line
-    reader = csv.DictReader(io.StringIO(text))
-    if tuple(reader.fieldnames or ()) != RUN_COLUMNS:
-        return []
-    return [row for row in reader if row["restitution"] is not None]
 
 
 def outcome_rows(cells: Sequence[Cell], log: RunLog) -> list[dict[str, Any]]:

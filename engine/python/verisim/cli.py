@@ -8,7 +8,18 @@ import sys
 import typer
 
 from verisim import __version__
-from verisim.commands import analysis, bench, demo, physics, pictures, shape, stimuli, study, view
+from verisim.commands import (
+    analysis,
+    bench,
+    demo,
+    physics,
+    pictures,
+    shape,
+    stimuli,
+    study,
+    tune,
+    view,
+)
 from verisim.commands.messages import fail, is_user_error
 
 app = typer.Typer(
@@ -47,6 +58,7 @@ app.add_typer(study.app, name="study")
 study.register_export(app)
 analysis.register(app)
 bench.register(app)
+tune.register(app)
 
 
 def main() -> None:

@@ -1,0 +1,2 @@
+// SPDX-License-Identifier: MIT
+//! Nothing to compile: cargo only fetches what Cargo.toml names.
