@@ -64,6 +64,7 @@ struct LocalPair {
   int a = 0, b = 0;  // in Island::bodies
   ContactPair pair;
   double factor = 0;  // of the damping of its law, at the settings' steps per contact
+  double moved = -1;  // m, bound of the motion since the last look of method xpbd; < 0: none yet
 };
 
 /// A line of an island; see tethers.h.

@@ -13,14 +13,11 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Vector3d across(const Vector3d& v, const Vector3d& normal) { return v - normal.dot(v) * normal; }
 
-/// Inverse of the mass (1/kg) that both bodies present along a unit direction.
-double inverse_mass_along(const Row& row, const Vector3d& direction, const Island& island) {
-  const auto of = [&](int body, const Vector3d& arm) {
-    const BodyState& state = island.bodies[at(body)];
-    const Vector3d lever = arm.cross(direction);
-    return state.inverse_mass + lever.dot(state.inverse_inertia * lever);
-  };
-  return of(row.a, row.arm_a) + of(row.b, row.arm_b);
+/// Velocity (per N s) that a load at the end of `arm` gives the body there: 1/m - [arm] I^-1 [arm].
+Eigen::Matrix3d mobility(const BodyState& body, const Vector3d& arm) {
+  Eigen::Matrix3d cross;
+  cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
+  return body.inverse_mass * Eigen::Matrix3d::Identity() - cross * body.inverse_inertia * cross;
 }
 
 double push(Row& row, const Island& island, std::vector<Rates>& rates) {
@@ -39,10 +36,14 @@ double push(Row& row, const Island& island, std::vector<Rates>& rates) {
 }
 
 double hold(Row& row, const Island& island, std::vector<Rates>& rates) {
+  if (row.friction * row.load == 0 && row.grip.isZero(0)) {
+    row.slides = row.load > 0;
+    return 0;
+  }
   const Vector3d slip = across(row.slip + relative_rate(row, rates), row.normal);
   const double size = slip.norm();
   Vector3d grip = row.grip;
-  if (size > 0) grip -= slip / inverse_mass_along(row, slip / size, island);
+  if (size > 0) grip -= (size * size / slip.dot(row.inverse_masses * slip)) * slip;
   const double limit = row.friction * row.load, wanted = grip.norm();
   row.slides = wanted > limit;
   if (row.slides) grip *= limit / wanted;
@@ -90,6 +91,7 @@ Row& add_row(Rows& rows, const Island& island, int pair, int point, const Vector
   row.inverse_mass =
       a.inverse_mass + b.inverse_mass + row.lever_a.dot(row.turn_a) + row.lever_b.dot(row.turn_b);
   row.friction = local.pair.law.friction;
+  if (row.friction > 0) row.inverse_masses = mobility(a, row.arm_a) + mobility(b, row.arm_b);
   rows.rows.push_back(row);
   if (rows.blocks.empty() || rows.blocks.back().pair != pair) {
     rows.blocks.push_back({pair, index, index});

@@ -25,6 +25,7 @@ struct Row {
   Eigen::Vector3d lever_a = Eigen::Vector3d::Zero(), lever_b = Eigen::Vector3d::Zero();
   Eigen::Vector3d turn_a = Eigen::Vector3d::Zero(), turn_b = Eigen::Vector3d::Zero();
   double inverse_mass = 0;  // 1/kg, of both bodies at the point along the normal
+  Eigen::Matrix3d inverse_masses = Eigen::Matrix3d::Zero();  // the same along any direction
   double friction = 0;
   double target = 0;                               // least rate along the normal
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();  // of positions: across the normal, before

@@ -20,6 +20,10 @@ using Eigen::Vector3d;
 // Sweeps over the points of one pair within a sweep over all pairs: four corners of a face share
 // one load, and a single sweep would leave it on the first.
 constexpr int kInnerSweeps = 4;
+// Share of the smaller body's size by which two touching bodies may move against each other or turn
+// before their contact points are looked for anew; what their linear motion misses is of the order
+// of its square. Every frame looks anew.
+constexpr double kStill = 1e-4;
 // Time (s) over which an overlap that appeared without motion (a scene that starts so, a change of
 // the features that meet) falls to 1/e.
 constexpr double kLetOutTime = 1.0 / 60;
@@ -47,6 +51,17 @@ void drift(Island& island, Substep& s) {
   read_velocities(island, s.drifts);
 }
 
+/// Points of a pair that hardly moved since the last look go along with it.
+void carry_points(LocalPair& local, const Island& island, const Substep& s) {
+  const BodyState &a = island.bodies[at(local.a)], &b = island.bodies[at(local.b)];
+  const bool is_sphere = std::holds_alternative<SphereShape>(*a.shape);
+  for (ContactPoint& point : local.pair.points) {
+    const Vector3d of_a = a.velocity_at(point.place), of_b = b.velocity_at(point.place);
+    point.depth -= s.step * point.normal.dot(of_a - of_b);
+    point.place += s.step * (is_sphere ? a.velocity : Vector3d(0.5 * (of_a + of_b)));
+  }
+}
+
 /// Finds contact points where bodies are now. Pairs that were farther apart than they moved keep.
 void look(Island& island, const Substep& s, const ContactSettings& settings) {
   const double margin = look_gap(settings);
@@ -54,9 +69,17 @@ void look(Island& island, const Substep& s, const ContactSettings& settings) {
     const BodyState &a = island.bodies[at(local.a)], &b = island.bodies[at(local.b)];
     const Vector3d way =
         (a.position - s.starts[at(local.a)]) - (b.position - s.starts[at(local.b)]);
-    local.pair.gap -= way.norm() + s.step * (edge_speed(a) + edge_speed(b));
+    const double motion = way.norm() + s.step * (edge_speed(a) + edge_speed(b));
+    local.pair.gap -= motion;
     if (!local.pair.is_touching && local.pair.gap > margin) continue;
+    const double still = kStill * (b.size > 0 ? std::min(a.size, b.size) : a.size);
+    if (local.pair.is_touching && local.moved >= 0 && local.moved + motion < still) {
+      local.moved += motion;
+      carry_points(local, island, s);
+      continue;
+    }
     look_and_book(local, island, margin, s.step);
+    local.moved = 0;
   }
 }
 

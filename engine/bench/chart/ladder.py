@@ -109,7 +109,7 @@ SEED = Ladder(
         Rung("rkmk4, stiffness x10", {"integrator": "rkmk4", "stiffness_n_m": Times(10)}),
     ),
 )
-# `xpbd`: substeps of a frame; a long frame with few of them where bodies fly, which they do exactly.
+# `xpbd`: substeps of a frame, and a long frame for what flies, which it does exactly.
 XPBD_SUBSTEPS = {5: True, 10: False, 20: True, 40: False, 80: True, 160: False}
 XPBD = Ladder(
     "xpbd",
