@@ -30,6 +30,14 @@ bool has_contact(const Island& island) {
                      [](const LocalPair& local) { return local.pair.is_touching; });
 }
 
+/// True if impacts went on when the last frame ended. Loads are not known anew yet, and at its
+/// turning point an impact looks like rest.
+bool may_be_in_impact(const Island& island) {
+  return !island.has_forces &&
+         std::any_of(island.pairs.begin(), island.pairs.end(),
+                     [](const LocalPair& local) { return local.pair.is_in_impact; });
+}
+
 /// Fastest approach, or parting in a spring still compressed, at points that meet within
 /// `duration`.
 double impact_speed(LocalPair& local, Island& island, double duration,
@@ -142,6 +150,7 @@ void advance_island(Island& island, double end, const ContactSettings& settings)
   const double frame = end - island.time;
   while (end - island.time > kOnTime * frame) {
     const bool may_rest = settings.rests_implicitly && impact > 0 && has_contact(island) &&
+                          !may_be_in_impact(island) &&
                           !has_impact(island, end - island.time, impact, settings);
     if (may_rest) {
       advance_at_rest(island, end, impact, settings);

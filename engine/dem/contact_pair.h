@@ -59,6 +59,7 @@ struct ContactPair {
   int last_axis = -1;               // of two boxes: the axis of least overlap found last
   bool is_touching = false;
   bool is_compressing = false;
+  bool is_in_impact = false;  // its last step was an explicit one
 
   std::uint64_t key() const {
     return (static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint32_t>(b);

@@ -356,6 +356,7 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
   if (is_tethered) hold_velocities(island);
   for (LocalPair& local : island.pairs) {
     if (local.pair.is_touching) update_contact(local, island, settings, touch_down);
+    local.pair.is_in_impact = local.pair.is_touching;
   }
   count_step(island.books, step);
   return step;

@@ -284,6 +284,7 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
     }
     pair.is_touching = pair.is_touching || is_loaded;
     pair.is_compressing = false;
+    pair.is_in_impact = false;
     pair.approach_speed = least_approach_speed(settings);
     look_and_book(local, island, reach_of(local, island, look_ahead, settings));
     double deepest = -1;

@@ -90,7 +90,7 @@ std::vector<SharpVertex> sharp_convex_vertices(const Mesh& mesh,
     const Round& round = rounds[vertex];
     const double deficit = 2 * std::numbers::pi - round.angle;
     const bool is_used = round.longest_edge > 0;
-    if (is_used && deficit > kSharpAngle && round.direction.dot(round.normal) < 0) {
+    if (is_used && deficit > kLeastDeficit && round.direction.dot(round.normal) < 0) {
       sharp.push_back(
           {static_cast<int>(vertex), deficit, round.longest_edge, round.normal.normalized()});
     }

@@ -10,9 +10,11 @@
 
 namespace verisim::shape {
 
-/// Between the normals of two triangles, and of what is missing to a full turn round a vertex:
-/// 20 degrees. Finer facets count as a curved surface, which has no edges.
+/// Between the normals of two triangles: 20 degrees. Finer facets count as a curved surface, which has no edges.
 constexpr double kSharpAngle = 0.3490658503988659;  // rad
+/// Of what is missing to a full turn round a vertex that sticks out: 3 degrees. A blunter one
+/// rises by less than 1/15 of the way to its neighbours.
+constexpr double kLeastDeficit = 0.0523598775598299;  // rad
 
 struct FaceShape {
   Eigen::Vector3d normal;  // unit, outward; zero for a triangle without area
@@ -30,7 +32,7 @@ struct MeshEdge {
 
 struct SharpVertex {
   int vertex;
-  double deficit;               // rad, > kSharpAngle: 2 pi less the angles round the vertex
+  double deficit;               // rad, > kLeastDeficit: 2 pi less the angles round the vertex
   double longest_edge;          // m, of those that meet here
   Eigen::Vector3d mean_normal;  // unit, weighted by the angles
 };
@@ -40,7 +42,7 @@ std::vector<FaceShape> face_shapes(const Mesh& mesh);
 /// Every edge once, in the order in which the triangles name them first. Cost: linear.
 std::vector<MeshEdge> mesh_edges(const Mesh& mesh, const std::vector<FaceShape>& faces);
 
-/// Vertices where the surface is a peak (not a pit) sharper than kSharpAngle. Angles and
+/// Vertices where the surface is a peak (not a pit) sharper than kLeastDeficit. Angles and
 /// directions are integrals round the vertex, so triangles may be split without effect.
 std::vector<SharpVertex> sharp_convex_vertices(const Mesh& mesh,
                                                const std::vector<FaceShape>& faces);

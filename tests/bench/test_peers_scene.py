@@ -220,3 +220,24 @@ def test_the_extra_names_the_version_that_is_installed() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     assert project["optional-dependencies"]["peers"] == [f"mujoco=={MUJOCO_VERSION}"]
     assert not any("mujoco" in name for name in project["dependencies"])
+
+
+def test_small_bodies_reach_engines_with_lengths_of_their_own_in_longer_units(
+    tmp_path: Path,
+) -> None:
+    small = ball(shape={"sphere_radius_m": 0.005}, velocity_m_s=[1, 0, 0], position_m=[0, 2, 0])
+    scene = peers.peer_scene(write_scene(tmp_path, [small]))
+    rapier, ode = peers.PeerConfig("rapier", "stiff"), peers.PeerConfig("ode", "20")
+    assert driver_run.length_unit(ode, scene) == 1
+    unit = driver_run.length_unit(rapier, scene)
+    assert unit == pytest.approx(50)
+    longer, body = scene.scaled(unit), scene.scaled(unit).bodies[0]
+    assert longer.gravity[2] == pytest.approx(-9.81 * 50)
+    assert (body.position[1], body.linear_velocity[0]) == pytest.approx((100, 50))
+    assert body.mass == scene.bodies[0].mass
+    assert body.inertia == pytest.approx([0.4 * body.mass * 0.25**2] * 3)
+    # A thin plate is no small body, nor a ball of the least width.
+    plate = box(shape={"box_m": [1, 1, 1e-4]})
+    for body_of_usual_size in (plate, ball(shape={"sphere_radius_m": 0.05})):
+        usual = peers.peer_scene(write_scene(tmp_path, [body_of_usual_size]))
+        assert driver_run.length_unit(rapier, usual) == 1

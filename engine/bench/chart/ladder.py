@@ -86,8 +86,8 @@ EXPLICIT = Ladder(
     (
         Rung("20 steps, pen x10", {"steps_per_contact": 20, "max_penetration_m": Times(10)}, True),
         Rung("40 steps, pen x10", {"steps_per_contact": 40, "max_penetration_m": Times(10)}),
-        Rung("20 steps", {"steps_per_contact": 20}),
-        Rung("40 steps", {"steps_per_contact": 40}, is_quick=True),
+        Rung("20 steps", {"steps_per_contact": 20}, is_quick=True),
+        Rung("40 steps", {"steps_per_contact": 40}),
         Rung("100 steps", {"steps_per_contact": 100}, is_finest=True),
     ),
 )

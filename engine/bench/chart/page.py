@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from verisim.bench.chart.front import Point, cheapest_within, front, ties
 from verisim.bench.files import write_whole
 
 if TYPE_CHECKING:
+    from verisim.bench.chart.real_time import Answer, Crowd
     from verisim.bench.chart.run_chart import Charted
 
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
@@ -28,14 +30,7 @@ def write_page(
     facts: dict[str, Any],
 ) -> None:
     """Everything that was found, as one file that appears when it is complete."""
-    bench = Path(__file__).parent.parent
-    environment = Environment(
-        loader=FileSystemLoader([Path(__file__).parent, bench]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = _environment()
     environment.filters["cost"] = cost_words
     environment.filters["error"] = lambda value: f"{value:.2g}"
     sections = [_section(chart, drawings) for chart in charts]
@@ -50,6 +45,43 @@ def write_page(
     write_whole(file, text)
 
 
+def write_real_time_page(
+    file: Path,
+    svg: str,
+    crowds: Sequence[Crowd],
+    answers: Sequence[Answer],
+    facts: dict[str, Any],
+) -> None:
+    """The figure, the answers and every pile, as one file."""
+    environment = _environment()
+    environment.filters["ms"] = lambda s: "–" if s is None else f"{1e3 * s:.3g}"
+    environment.filters["bodies"] = body_words
+    text = environment.get_template("real_time.html.j2").render(
+        svg=Markup(svg), crowds=crowds, answers=answers, facts=facts
+    )
+    write_whole(file, text)
+
+
+def body_words(count: float | None) -> str:
+    """A number of bodies, to two digits; as far as piles went."""
+    if count is None:
+        return "not drawn here"
+    if math.isinf(count):
+        return "more than tried"
+    return "no" if count < 1 else f"{float(f'{count:.2g}'):.0f}"
+
+
+def _environment() -> Environment:
+    here = Path(__file__).parent
+    return Environment(
+        loader=FileSystemLoader([here, here.parent]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
 def _section(chart: Charted, drawings: Mapping[tuple[str, str], Drawing]) -> dict[str, Any]:
     panels = []
     for measure in chart.scene.measures:
@@ -61,6 +93,7 @@ def _section(chart: Charted, drawings: Mapping[tuple[str, str], Drawing]) -> dic
                 "front": front(points),
                 "ties": ties(points),
                 "levels": level_rows(points),
+                "own": chart.own.get(measure.key, {}),
             }
         )
     first = chart.points[chart.scene.measures[0].key]

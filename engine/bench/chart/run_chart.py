@@ -17,7 +17,7 @@ from verisim.bench.chart.contestants import Entry, choose_peers, own_entries, pe
 from verisim.bench.chart.front import Point
 from verisim.bench.chart.ladder import LADDERS, Ladder
 from verisim.bench.chart.run_trial import HOPELESS, Task, run_trial
-from verisim.bench.chart.tables import RunTable, inputs_hash, peers_hash, point_of
+from verisim.bench.chart.tables import RunTable, inputs_hash, own_value, peers_hash, point_of
 from verisim.bench.files import only_bench, write_whole
 from verisim.bench.problems import BenchError
 from verisim.stimuli.cost import machine
@@ -43,9 +43,9 @@ class Effort:
 
 SHORT_S = 2.0
 CUT_OFF = ("not done", "time limit", "did not return")  # how such a failure begins
-DEAR = 10  # times the limit, for scenes whose every run is long
+DEAR = 10  # times the limit, for references and for scenes whose every run is long
 FULL = Effort(((SHORT_S, 11), (math.inf, 3)), 120.0)
-QUICK = Effort(((0.3, 4), (SHORT_S, 3), (math.inf, 1)), 3.0)
+QUICK = Effort(((0.3, 4), (SHORT_S, 3), (math.inf, 1)), 2.0)
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,7 @@ class Charted:
     points: dict[str, list[Point]]
     table: Path
     refused: dict[str, str]
+    own: dict[str, dict[str, float]]  # measure -> contestant -> what its finest run gave
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,17 @@ class Plan:
             for measure in self.scene.measures
         }
         refused = {**self.scene.not_posed, **self.refused}
-        return Charted(self.scene, points, self.table.file, refused)
+        methods = dict.fromkeys(entry.method for entry in self.entries)
+        own = {
+            measure.key: {
+                method: value
+                for method in methods
+                if (value := own_value(self.finest(method), measure)) is not None
+            }
+            for measure in self.scene.measures
+            if measure.is_own
+        }
+        return Charted(self.scene, points, self.table.file, refused, own)
 
 
 class Session:
@@ -218,12 +229,13 @@ class Session:
 
     def _task(self, plan: Plan, index: int, judged: bool) -> Task:
         entry, scene = plan.entries[index], plan.scene
+        is_dear = scene.is_dear or (scene.needs_reference and entry.is_finest)
         return Task(
             plan.file,
             entry.overrides,
             scene.measures if judged else (),
             scene.warm_up_s,
-            self.effort.limit_s * (DEAR if scene.is_dear else 1),
+            self.effort.limit_s * (DEAR if is_dear else 1),
             entry.method if entry.is_peer else "",
         )
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from verisim.bench.chart.trial import Measure, Trial, scene_document
-from verisim.pose_log import PoseLog
+from verisim.engine import PoseLog
 
 HOPELESS = ("nonfinite", "energy_gain", "pass_through")  # codes after which errors mean nothing
 SPARSE = 4  # samples of a run that only costs count of

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from ruamel.yaml import YAML
 
-from verisim.pose_log import PoseLog
+from verisim.engine import PoseLog
 
 Scene = dict[str, Any]
 

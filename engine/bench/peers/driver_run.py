@@ -26,6 +26,10 @@ from verisim.engine import PoseLog
 
 # Beyond the limit: reading, building (MuJoCo: a minute for 4000 bodies), a step without end.
 GRACE_S, GRACE_PER_BODY_S = 20.0, 0.05
+# Bullet, Jolt and Rapier look for contacts 20 mm ahead and were made for bodies of 0.1 to 10 m;
+# smaller ones come in longer units, in which they are as wide as the boxes of a pile.
+NEED_LONG_UNITS = ("bullet", "jolt", "rapier")
+LEAST_WIDTH_M, USUAL_WIDTH_M = 0.1, 0.5
 NUM_STATE = 13  # doubles of a body and frame: position, wxyz, velocity, angular velocity
 
 
@@ -44,6 +48,13 @@ class PeerRun:
 def steps_per_frame(scene: PeerScene, dt_s: float) -> int:
     """Least whole number of steps in a frame that are no longer than dt_s."""
     return max(1, math.ceil(1 / (scene.frame_rate_hz * dt_s) - 1e-6))
+
+
+def length_unit(config: PeerConfig, scene: PeerScene) -> float:
+    """Metres that the engine is given for one metre of the scene."""
+    width = scene.smallest_body()
+    is_small = config.engine in NEED_LONG_UNITS and width < LEAST_WIDTH_M * (1 - 1e-9)
+    return USUAL_WIDTH_M / width if is_small else 1.0
 
 
 def run_peer(
@@ -66,8 +77,9 @@ def run_peer(
     directory.mkdir(parents=True, exist_ok=True)
     folder = Path(tempfile.mkdtemp(prefix=f"{config.key}-", dir=directory)).resolve()
     try:
+        unit = length_unit(config, scene)
         job = {
-            **scene.as_json(),
+            **(scene.scaled(unit) if unit != 1 else scene).as_json(),
             "config": config.config,
             "dt_s": 1 / (scene.frame_rate_hz * steps),
             "steps_per_frame": steps,
@@ -82,7 +94,11 @@ def run_peer(
             (folder / "model.xml").write_text(mjcf(scene, config.config, job["dt_s"]), "utf-8")
         (folder / "scene.json").write_text(json.dumps(job), "utf-8")
         result = _run_driver(driver_of(config), folder, time_limit_s + grace_s)
-        return _run_of(scene, _states_in(folder / "poses.bin", len(scene.bodies)), result, steps)
+        states = _states_in(folder / "poses.bin", len(scene.bodies))
+        if states is not None:
+            states[:, :, 0:3] /= unit
+            states[:, :, 7:10] /= unit
+        return _run_of(scene, states, result, steps)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

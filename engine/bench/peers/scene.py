@@ -6,7 +6,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -94,6 +94,35 @@ class PeerScene:
         """Frames after the one at time 0."""
         return max(1, round(self.duration_s * self.frame_rate_hz))
 
+    def smallest_body(self) -> float:
+        """Greatest width of the smallest free body, m; infinite if there are none."""
+        return min((_width(b.shape) for b in self.bodies if b.motion == "free"), default=math.inf)
+
+    def scaled(self, factor: float) -> PeerScene:
+        """The same motion with all lengths times `factor`; masses and times as they are."""
+
+        def longer(vector: Vector, power: int = 1) -> Vector:
+            return _vector(np.asarray(vector) * factor**power)
+
+        bodies = tuple(
+            replace(
+                body,
+                shape=replace(
+                    body.shape,
+                    half_extents=longer(body.shape.half_extents),
+                    radius=body.shape.radius * factor,
+                    vertices=tuple(longer(corner) for corner in body.shape.vertices),
+                    centres=tuple(longer(centre) for centre in body.shape.centres),
+                ),
+                inertia=longer(body.inertia, 2),
+                position=longer(body.position),
+                linear_velocity=longer(body.linear_velocity),
+            )
+            for body in self.bodies
+        )
+        planes = tuple(replace(plane, offset=plane.offset * factor) for plane in self.planes)
+        return replace(self, gravity=longer(self.gravity), bodies=bodies, planes=planes)
+
     def pairs_that_can_meet(self) -> set[tuple[int, int]]:
         """Pairs of materials of which at least one is a free body's, smaller row first."""
         free = [body.material for body in self.bodies if body.motion == "free"]
@@ -149,6 +178,15 @@ def peer_scene(scene_path: Path, overrides: Mapping[str, object] | None = None) 
         tethers=tethers,
         problems=tuple(dict.fromkeys(problems)),
     )
+
+
+def _width(shape: PeerShape) -> float:
+    """Greatest edge, width along an axis, or diameter (of one of a body of spheres), m."""
+    if shape.kind == "box":
+        return 2 * max(shape.half_extents)
+    if shape.kind == "mesh":
+        return float(np.ptp(np.asarray(shape.vertices), axis=0).max())
+    return 2 * shape.radius
 
 
 Table = tuple[tuple[float, ...], ...]

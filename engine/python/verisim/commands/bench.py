@@ -25,6 +25,12 @@ def register(app: typer.Typer) -> None:
         stability: Annotated[
             bool, typer.Option("--stability", help="Maps of where each method fails instead.")
         ] = False,
+        real_time: Annotated[
+            bool,
+            typer.Option(
+                "--real-time", help="How many bodies run at 30 and 60 frames per second instead."
+            ),
+        ] = False,
         quick: Annotated[
             bool, typer.Option("--quick", help="Few settings and runs: some minutes.")
         ] = False,
@@ -70,6 +76,7 @@ def register(app: typer.Typer) -> None:
 
         for option, value, wanted in (
             ("SCENE", scenes, False),
+            ("--real-time", real_time, False),
             ("--peers", peers, False),
             ("--maps", maps, True),
             ("--jobs", jobs, True),
@@ -83,10 +90,38 @@ def register(app: typer.Typer) -> None:
         try:
             if stability:
                 _stability(output, quick, _names(maps), _names(methods), jobs, as_json)
+            elif real_time:
+                _real_time(output, quick, _names(methods), as_json)
             else:
                 _chart(output, scenes, quick, _names(methods), _names(peers), as_json)
         except BenchError as error:
             fail(f"bench: {error}", code=2)
+
+
+def _real_time(output: Path, quick: bool, methods: list[str] | None, as_json: bool) -> None:
+    from verisim.bench.chart.page import body_words
+    from verisim.bench.chart.real_time import run_real_time
+    from verisim.bench.chart.run_chart import choose_ladders
+
+    ladders = choose_ladders(methods)
+    with progress_bar("methods") as report:
+        result = run_real_time(output, ladders, quick=quick, progress=report, say=say)
+    if as_json:
+        print_json(
+            {
+                "directory": str(result.directory),
+                "page": str(result.page),
+                "piles": [asdict(crowd) for crowd in result.crowds],
+                "answers": [asdict(answer) for answer in result.answers],
+            }
+        )
+        return
+    for answer in result.answers:
+        typer.echo(
+            f"{answer.method:<14} {answer.rate_hz:.0f} fps: {body_words(answer.simulated)} bodies "
+            f"simulated, {body_words(answer.drawn_too)} simulated and drawn"
+        )
+    typer.echo(str(result.page))
 
 
 def _chart(

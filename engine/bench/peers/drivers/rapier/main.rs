@@ -76,29 +76,29 @@ fn is_geometric_mean(table: &[Vec<f32>]) -> bool {
     })
 }
 
-fn shapes_of(body: &Body) -> Result<Vec<(Vector, SharedShape)>> {
-    let whole = |shape| Ok(vec![(Vector::ZERO, shape)]);
-    match body.kind.as_str() {
+fn shape_of(body: &Body) -> Result<SharedShape> {
+    Ok(match body.kind.as_str() {
         "box" => {
             let [x, y, z] = body.half_extents;
-            whole(SharedShape::cuboid(x, y, z))
+            SharedShape::cuboid(x, y, z)
         }
-        "sphere" => whole(SharedShape::ball(body.radius)),
+        "sphere" => SharedShape::ball(body.radius),
         "mesh" => {
-            let corners = body
-                .vertices
-                .iter()
-                .map(|corner| Vector::from(*corner))
-                .collect();
+            let corners = body.vertices.iter().map(|corner| Vector::from(*corner)).collect();
             let hull = SharedShape::convex_mesh(corners, &body.triangles);
-            whole(hull.ok_or("rapier cannot take a mesh as convex")?)
+            hull.ok_or("rapier cannot take a mesh as convex")?
         }
-        _ => Ok(body
-            .centres
-            .iter()
-            .map(|centre| (Vector::from(*centre), SharedShape::ball(body.radius)))
-            .collect()),
-    }
+        // One collider per sphere instead takes a hundred times as long.
+        _ => SharedShape::compound(
+            body.centres
+                .iter()
+                .map(|centre| {
+                    let place = Pose::from_translation(Vector::from(*centre));
+                    (place, SharedShape::ball(body.radius))
+                })
+                .collect(),
+        ),
+    })
 }
 
 impl scene::World for World {
@@ -166,12 +166,8 @@ impl scene::World for World {
                 RigidBodyBuilder::fixed()
             };
             let handle = world.bodies.insert(builder.pose(place));
-            for (at, shape) in shapes_of(body)? {
-                let part = collider(shape, body.material).position(Pose::from_translation(at));
-                world
-                    .colliders
-                    .insert_with_parent(part, handle, &mut world.bodies);
-            }
+            let part = collider(shape_of(body)?, body.material);
+            world.colliders.insert_with_parent(part, handle, &mut world.bodies);
             world.handles.push(handle);
         }
         Ok(world)

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: MIT
+"""How many bodies can be simulated, and drawn, at 30 and at 60 frames per second."""
+
+from __future__ import annotations
+
+import json
+import math
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from verisim import engine
+from verisim.bench.chart.generated import EDGE_M, stacked_pile
+from verisim.bench.chart.ladder import Ladder
+from verisim.bench.files import only_bench, table_text, write_whole
+from verisim.stimuli.cost import machine
+from verisim.stimuli.engine_build import engine_build
+
+RATES_HZ = (60.0, 30.0)
+LAYERS = 4
+SIDES = (1, 2, 3, 4, 5, 7, 10, 14, 20, 28, 40)  # columns along each side: 4 to 6400 bodies
+DURATION_S, QUICK_DURATION_S = 2.0, 1.0
+SLOW_FRAME_S = 0.2  # beyond it no larger pile is tried
+LIMIT_S = 30.0  # CPU time of a run
+FEW, MORE = 3, 13  # frames drawn in two clips, whose difference is the drawing alone
+SIZE = (1280, 720)
+
+Say = Callable[[str], None]
+Progress = Callable[[float, float], None]
+
+
+@dataclass(frozen=True)
+class Crowd:
+    """A pile that was run."""
+
+    method: str
+    bodies: int
+    points: int  # particles of seed, surface samples and corners of dem
+    frame_s: float  # CPU time that 95 of 100 frames stay within
+    median_frame_s: float
+    draw_s: float | None  # wall time of drawing and encoding a frame; None: no OpenGL here
+    failed: str
+
+
+@dataclass(frozen=True)
+class Answer:
+    method: str
+    rate_hz: float
+    simulated: float  # bodies, between the piles that were run; infinite: no pile was too large
+    drawn_too: float | None  # simulated and drawn one after the other
+
+
+@dataclass(frozen=True)
+class RealTime:
+    directory: Path
+    page: Path
+    crowds: list[Crowd]
+    answers: list[Answer]
+
+
+class TooSlow(Exception):
+    """The pile is beyond real time by far."""
+
+
+def run_real_time(
+    directory: Path | str,
+    ladders: Sequence[Ladder],
+    *,
+    quick: bool = False,
+    progress: Progress | None = None,
+    say: Say | None = None,
+) -> RealTime:
+    """Runs piles of boxes of growing number with each method at its own choices and writes
+    real_time.csv, a figure and a page. Raises BenchError if another bench writes there."""
+    directory = Path(directory)
+    with only_bench(directory), tempfile.TemporaryDirectory() as scratch:
+        crowds: list[Crowd] = []
+        for number, ladder in enumerate(ladders):
+            if say:
+                say(f"real time: {ladder.label}")
+            for n, side in enumerate(SIDES):
+                crowd = _run(ladder, side, Path(scratch), QUICK_DURATION_S if quick else DURATION_S)
+                crowds.append(crowd)
+                if progress:
+                    progress(number + (n + 1) / len(SIDES), len(ladders))
+                if crowd.failed or crowd.frame_s > SLOW_FRAME_S:
+                    break
+        answers = [
+            answer
+            for ladder in ladders
+            for rate in RATES_HZ
+            if (answer := _answer(ladder.key, rate, crowds))
+        ]
+        columns = [field.name for field in fields(Crowd)]
+        write_whole(directory / "real_time.csv", table_text(columns, map(asdict, crowds)))
+        page = _show(directory, crowds, answers)
+    return RealTime(directory, page, crowds, answers)
+
+
+def _run(ladder: Ladder, side: int, folder: Path, duration_s: float) -> Crowd:
+    scene = stacked_pile(side, LAYERS, duration_s)
+    file = folder / f"{scene['name']}.yaml"
+    file.write_text(json.dumps(scene), "utf-8")
+    overrides: dict[str, Any] = {f"physics.{key}": value for key, value in ladder.base.items()}
+    if ladder.key == "seed":
+        overrides["physics.particle_size_m"] = EDGE_M / 4
+    begin = time.process_time()
+    marks = [begin]
+
+    def note(_done: float, _total: float) -> None:
+        marks.append(time.process_time())
+        if marks[-1] - begin > LIMIT_S:
+            raise TooSlow
+
+    count = side**2 * LAYERS
+    failed, points, draw_s = "", 0, None
+    try:
+        run = engine.simulate(file, overrides, num_threads=1, progress=note)
+    except TooSlow:
+        failed = f"not done after {LIMIT_S:g} CPU s"
+    else:
+        failed = run.summary["failed"]["code"] if run.summary["failed"] else ""
+        metrics = run.summary["metrics"]
+        points = int(metrics.get("num_samples") or metrics.get("num_particles") or 0)
+        draw_s = _draw(file, run, folder)
+    frames = np.diff(marks)[1:]  # the first builds the world
+    slow, middle = np.percentile(frames, [95, 50]) if frames.size else (math.inf, math.inf)
+    return Crowd(ladder.key, count, points, float(slow), float(middle), draw_s, failed)
+
+
+def _draw(file: Path, run: engine.Run, folder: Path) -> float | None:
+    """Wall time of a frame of 1280 x 720: drawn off screen and encoded."""
+    took = []
+    for count in (FEW, MORE):
+        poses = engine.PoseLog(run.poses.names, *(array[:count] for array in _arrays(run.poses)))
+        begin = time.perf_counter()
+        try:
+            engine.render(file, poses, folder / "frames.mp4", size=SIZE, profile="preview")
+        except engine.ClipError:
+            return None
+        took.append(time.perf_counter() - begin)
+    return max(0.0, took[1] - took[0]) / (MORE - FEW)
+
+
+def _arrays(poses: engine.PoseLog) -> list[Any]:
+    return [
+        poses.time_s,
+        poses.position_m,
+        poses.orientation_wxyz,
+        poses.linear_velocity_m_s,
+        poses.angular_velocity_rad_s,
+    ]
+
+
+def _answer(method: str, rate_hz: float, crowds: Sequence[Crowd]) -> Answer | None:
+    own = [crowd for crowd in crowds if crowd.method == method]
+    held = [crowd for crowd in own if not crowd.failed or crowd.failed.startswith("not done")]
+    if not held:
+        return None
+    bodies = [crowd.bodies for crowd in held]
+    both: float | None = None
+    drawn = [crowd for crowd in held if crowd.draw_s is not None]
+    if drawn:
+        both = crossing(
+            [crowd.bodies for crowd in drawn],
+            [crowd.frame_s + (crowd.draw_s or 0.0) for crowd in drawn],
+            1 / rate_hz,
+        )
+    return Answer(method, rate_hz, crossing(bodies, [c.frame_s for c in held], 1 / rate_hz), both)
+
+
+def crossing(bodies: Sequence[float], seconds: Sequence[float], limit: float) -> float:
+    """Number of bodies at which a frame takes `limit`, straight in logarithms between the piles
+    around it; 0 if the least pile is too slow, infinite if none is."""
+    for n, value in enumerate(seconds):
+        if value <= limit:
+            continue
+        if n == 0:
+            return 0.0
+        low, high = math.log(seconds[n - 1]), math.log(value)
+        share = (math.log(limit) - low) / (high - low)
+        return math.exp(
+            math.log(bodies[n - 1]) + share * (math.log(bodies[n]) - math.log(bodies[n - 1]))
+        )
+    return math.inf
+
+
+def _show(directory: Path, crowds: Sequence[Crowd], answers: Sequence[Answer]) -> Path:
+    from verisim.bench.chart.draw_real_time import draw_real_time
+    from verisim.bench.chart.page import write_real_time_page
+
+    figures = directory / "figures"
+    figures.mkdir(exist_ok=True)
+    svg = draw_real_time(crowds, figures)
+    page = directory / "real_time.html"
+    facts = {"machine": machine(), **engine_build()}
+    write_real_time_page(page, svg, crowds, answers, facts)
+    return page
