@@ -121,6 +121,18 @@ void check_hertz(Problems& problems, const WorldDefinition& definition) {
   }
 }
 
+/// What method xpbd does not model.
+void check_xpbd(Problems& problems, const WorldDefinition& definition) {
+  problems.require(definition.xpbd.substeps >= 1, "world", "number of substeps",
+                   definition.xpbd.substeps, "1 or more");
+  problems.require(definition.tethers.empty(), "world", "method", "xpbd",
+                   "dem where there are tethers");
+  for (const double rolling : definition.material_pairs.rolling_friction) {
+    problems.require(rolling == 0, "world", "rolling friction", rolling, "0 with method xpbd");
+    if (rolling != 0) break;
+  }
+}
+
 void check_wind(Problems& problems, const Wind& wind) {
   const std::string where = "wind";
   problems.require(wind.velocity.allFinite(), where, "velocity", "not finite", "finite numbers");
@@ -154,13 +166,14 @@ std::vector<std::string> problems_of(const WorldDefinition& definition) {
                      plane.normal.norm(), "1, with a finite offset");
   }
   for (const BodyDefinition& body : definition.bodies) check_body(problems, body);
-  if (definition.method == Method::kDem) check_materials(problems, definition);
+  if (has_surfaces(definition.method)) check_materials(problems, definition);
   if (definition.method == Method::kDem && definition.dem.contact_law == NormalLaw::kHertzMindlin) {
     check_hertz(problems, definition);
   }
   const bool has_modules = definition.wind.has_value() || !definition.tethers.empty();
-  problems.require(definition.method == Method::kDem || !has_modules, world, "method", "seed",
-                   "dem where there are wind or tethers");
+  problems.require(has_surfaces(definition.method) || !has_modules, world, "method", "seed",
+                   "dem or xpbd where there is wind, dem where there are tethers");
+  if (definition.method == Method::kXpbd) check_xpbd(problems, definition);
   if (definition.wind) check_wind(problems, *definition.wind);
   for (std::size_t t = 0; t < definition.tethers.size(); ++t) {
     const std::string fault = fault_of_tether(definition.tethers[t], definition.bodies);

@@ -68,6 +68,11 @@ struct DemSettings {
   TangentialLaw tangential_law = TangentialLaw::kSpring;
 };
 
+/// Choices of method `xpbd`.
+struct XpbdSettings {
+  int substeps = 20;  // of a frame
+};
+
 /// Air that moves past the bodies; see wind.h.
 struct Wind {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
@@ -105,7 +110,8 @@ struct WorldDefinition {
   std::vector<PlaneDefinition> planes;
   SeedSettings seed;
   DemSettings dem;
-  std::optional<Wind> wind;               // read by `dem`
+  XpbdSettings xpbd;
+  std::optional<Wind> wind;               // read by `dem` and `xpbd`
   std::vector<TetherDefinition> tethers;  // read by `dem`
   MaterialPairs material_pairs;           // read by `dem`
   Integrator integrator = Integrator::kSeed;

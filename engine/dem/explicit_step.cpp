@@ -6,9 +6,8 @@
 #include <limits>
 
 #include "dem/contact_tracking.h"
-#include "dem/prescribed.h"
+#include "dem/flight.h"
 #include "dem/restitution.h"
-#include "dem/rotation.h"
 #include "dem/tangential_law.h"
 #include "dem/tethers.h"
 #include "dem/wind.h"
@@ -18,10 +17,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Turn (rad) of one rotation step: its energy error is then 1e-9 over a hundred radians.
-constexpr double kTurn = 0.03;
-// Closer than this share of the impact depth counts as touch-down.
-constexpr double kTouchDown = 1e-3;
 // Longest time over which a pair's load is averaged (s).
 constexpr double kLoadMemory = 0.02;
 
@@ -43,46 +38,6 @@ BodyState& body_a(Island& island, const LocalPair& local) {
 }
 BodyState& body_b(Island& island, const LocalPair& local) {
   return island.bodies[static_cast<std::size_t>(local.b)];
-}
-
-/// Bound on how fast (m/s) and how much faster still (m/s^2) the bodies of a pair can close in.
-struct Approach {
-  double speed, acceleration;
-};
-
-double edge_speed(const BodyState& body) {
-  if (std::holds_alternative<SphereShape>(*body.shape)) return 0;
-  return body.spin.norm() * body.reach;
-}
-
-Approach approach_of(const LocalPair& local, const Island& island, const Vector3d& gravity) {
-  const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
-  const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
-  const Vector3d apart = a.velocity - b.velocity;
-  const Vector3d pull = (a.is_free() ? 1.0 : 0.0) * gravity - (b.is_free() ? 1.0 : 0.0) * gravity;
-  const double turning = edge_speed(a) + edge_speed(b);
-  const double other = a.other_acceleration + b.other_acceleration;
-  if (!local.pair.gap_is_along_normal) return {apart.norm() + turning, pull.norm() + other};
-  return {turning - local.pair.gap_normal.dot(apart), other - local.pair.gap_normal.dot(pull)};
-}
-
-/// Earliest time at which `gap` (m) can be closed; infinite if never.
-double time_to_close(double gap, const Approach& approach) {
-  const double a = approach.acceleration, v = approach.speed;
-  if (gap <= 0) return 0;
-  const double root = v * v + 2 * a * gap;
-  if (root < 0) return std::numeric_limits<double>::infinity();
-  const double denominator = v + std::sqrt(root);
-  return denominator > 0 ? 2 * gap / denominator : std::numeric_limits<double>::infinity();
-}
-
-/// The same in any direction.
-Approach fastest_approach(const LocalPair& local, const Island& island, const Vector3d& gravity) {
-  const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
-  const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
-  const double pull = a.is_free() == b.is_free() ? 0 : gravity.norm();
-  return {(a.velocity - b.velocity).norm() + edge_speed(a) + edge_speed(b),
-          pull + a.other_acceleration + b.other_acceleration};
 }
 
 /// Earliest time (s) at which a pair, or another point of a pair that touches, can touch down.
@@ -305,34 +260,6 @@ void adapt(LocalPair& local, Island& island, double drift, const ContactSettings
 }
 
 }  // namespace
-
-void follow_path(BodyState& body, double time) {
-  const Pose pose = pose_at(*body.path, time);
-  body.position = pose.position;
-  body.orientation = pose.orientation;
-  body.velocity = pose.linear_velocity;
-  body.spin = pose.angular_velocity;
-  refresh(body);
-  body.path_low = body.path_low.cwiseMin(body.position);
-  body.path_high = body.path_high.cwiseMax(body.position);
-}
-
-void drift_body(BodyState& body, double duration) {
-  body.position += duration * body.velocity;
-  body.path_low = body.path_low.cwiseMin(body.position);
-  body.path_high = body.path_high.cwiseMax(body.position);
-  if (body.inverse_inertia_all_axes > 0) {
-    body.orientation = (rotation_of(duration * body.spin) * body.orientation).normalized();
-  } else {
-    const double turn = body.spin.norm() * duration;
-    const int pieces = std::max(1, static_cast<int>(std::ceil(turn / kTurn)));
-    for (int i = 0; i < pieces; ++i) {
-      body.orientation = turn_by_rkmk4(body.orientation, body.inverse_inertia_b,
-                                       body.angular_momentum, duration / pieces);
-    }
-  }
-  refresh(body);
-}
 
 void evaluate_contact_forces(Island& island, double drift, const ContactSettings& settings) {
   for (BodyState& body : island.bodies) {

@@ -2,7 +2,7 @@
 // One explicit step of an island: exact flight to touch-down, or kick-drift-kick in contact.
 #pragma once
 
-#include "dem/island.h"
+#include "dem/flight.h"
 
 namespace verisim::dem {
 
@@ -14,12 +14,5 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
 /// Forces and torques of gravity, contacts and outside at the present state, with tangential
 /// springs advanced over the `drift` (s) that led here.
 void evaluate_contact_forces(Island& island, double drift, const ContactSettings& settings);
-
-/// Moves a body through `duration` (s) without forces on its rotation: fourth order, in pieces
-/// that turn little enough.
-void drift_body(BodyState& body, double duration);
-
-/// Puts a prescribed body where its path is at `time` (s).
-void follow_path(BodyState& body, double time);
 
 }  // namespace verisim::dem

@@ -13,6 +13,7 @@ namespace verisim::dem {
 
 /// Choices that hold for all islands of a world.
 struct ContactSettings {
+  Method method = Method::kDem;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s^2
   double impact_depth = 0;                            // m, compression allowed in an impact
   double rest_depth = 0;                              // m, compression allowed under a resting load
@@ -22,6 +23,8 @@ struct ContactSettings {
   bool rests_implicitly = true;
   NormalLaw contact_law = NormalLaw::kHuntCrossley;
   TangentialLaw tangential_law = TangentialLaw::kSpring;
+  double substep = 0;                // s, of method xpbd
+  double restitution_threshold = 0;  // m/s, of method xpbd: slower approaches do not rebound
   std::optional<Wind> wind;
 };
 
@@ -37,8 +40,9 @@ struct IslandBooks {
   double least_step = 0;  // s
   long num_steps = 0, num_rest_steps = 0, max_contacts = 0;
   long num_newton_steps = 0, num_refused_steps = 0;  // of implicit steps
-  double implicit_work = 0;  // J, part of damping_work: what implicit steps took out of springs
-  double energy_rise = 0;    // J, largest of one implicit step that nothing put in
+  double implicit_work = 0;    // J, part of damping_work: what implicit steps took out of springs
+  double correction_work = 0;  // J, part of damping_work: < 0 where corrected positions lifted
+  double energy_rise = 0;      // J, largest of one implicit step or substep that nothing put in
   std::vector<ContactEvent> events;
   bool is_finite = true;
   int culprit = -1;  // body of the first state that is not finite
@@ -60,6 +64,7 @@ struct LocalPair {
   int a = 0, b = 0;  // in Island::bodies
   ContactPair pair;
   double factor = 0;  // of the damping of its law, at the settings' steps per contact
+  double moved = -1;  // m, bound of the motion since the last look of method xpbd; < 0: none yet
 };
 
 /// A line of an island; see tethers.h.

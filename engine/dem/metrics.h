@@ -30,13 +30,14 @@ struct Metrics {
   double elastic_energy_j = 0;               // at the end
   double damping_work_j = 0;                 // taken out by the normal dashpots
   double implicit_work_j = 0;                // the part of it that implicit steps took
+  double correction_work_j = 0;              // the part of it that corrected positions took
   double friction_work_j = 0;                // taken out by the tangential force
   double outside_work_j = 0;                 // put in by drag, prescribed motion and live edits
   double energy_residual_rel = 0;            // |sum of the balance| / energy_scale_j
   double energy_scale_j = 0;                 // max kinetic + range of potential + max elastic
   double momentum_residual_rel = 0;          // linear, over the sum of |impulse|
   double angular_momentum_residual_rel = 0;  // about the origin, over the sum of |its impulse|
-  double energy_rise_j = 0;                  // largest of one implicit step that nothing put in
+  double energy_rise_j = 0;                  // largest of one implicit step or substep
   long num_particles = 0;                    // of method seed
   long num_samples = 0;                      // surface points of method dem
   WorkSplit work;                            // of method dem

@@ -14,6 +14,7 @@
 #include "dem/prescribed.h"
 #include "dem/surface_contact.h"
 #include "dem/tether_definition.h"
+#include "dem/xpbd.h"
 
 namespace verisim::dem {
 namespace {
@@ -140,6 +141,7 @@ SurfaceContacts::SurfaceContacts(const WorldDefinition& definition)
   chosen_.max_penetration =
       dem.max_penetration > 0 ? dem.max_penetration : kMaxPenetration * smallest;
   chosen_.rest_depth = kRestShare * chosen_.max_penetration;
+  settings_.method = definition.method;
   settings_.gravity = definition.gravity;
   settings_.rest_depth = chosen_.rest_depth;
   settings_.stiffness = dem.stiffness;
@@ -381,6 +383,16 @@ void SurfaceContacts::take_parameters(const World& world) {
   settings_.stiffness = world.parameters.dem.stiffness;
 }
 
+void SurfaceContacts::advance(Island& island, double end) const {
+  ContactSettings settings = settings_;
+  const double share =
+      std::clamp(kImpactSharePerBody * island.num_free, kLeastImpactShare, kMostImpactShare);
+  settings.impact_depth = share * chosen_.max_penetration;
+  if (settings.method == Method::kXpbd) return advance_xpbd(island, end, settings);
+  settings.rests_implicitly = settings.rests_implicitly && may_rest(island, settings);
+  advance_island(island, end, settings);
+}
+
 /// All islands at `end` (s). Taken again with wider bounds until no body left its own unseen.
 std::vector<Island> SurfaceContacts::advance_islands(World& world, double end) {
   std::vector<Island> islands;
@@ -389,14 +401,7 @@ std::vector<Island> SurfaceContacts::advance_islands(World& world, double end) {
     islands = make_islands(world.time);
     const int num_islands = static_cast<int>(islands.size());
     world.pool->run_ranges(num_islands, 1, [&](int begin, int last) {
-      for (int i = begin; i < last; ++i) {
-        ContactSettings settings = settings_;
-        const double share = std::clamp(kImpactSharePerBody * islands[at(i)].num_free,
-                                        kLeastImpactShare, kMostImpactShare);
-        settings.impact_depth = share * chosen_.max_penetration;
-        settings.rests_implicitly = settings.rests_implicitly && may_rest(islands[at(i)], settings);
-        advance_island(islands[at(i)], end, settings);
-      }
+      for (int i = begin; i < last; ++i) advance(islands[at(i)], end);
     });
     after.clear();
     for (const Island& island : islands) {
@@ -450,6 +455,7 @@ StepReport SurfaceContacts::book_islands(const std::vector<Island>& islands, Bal
     balance.max_overlap = std::max(balance.max_overlap, books.max_overlap);
     elastic_energy_ += books.elastic_energy;
     implicit_work_ += books.implicit_work;
+    correction_work_ += books.correction_work;
     energy_rise_ = std::max(energy_rise_, books.energy_rise);
     work_.num_steps += books.num_steps;
     work_.num_implicit_steps += books.num_rest_steps;
@@ -491,6 +497,8 @@ std::vector<ContactEvent> SurfaceContacts::events_of(const std::vector<Island>& 
 
 StepReport SurfaceContacts::step(World& world) {
   const double duration = world.parameters.dt, end = world.time + duration;
+  settings_.substep = duration / world.parameters.xpbd.substeps;
+  settings_.restitution_threshold = 2 * settings_.gravity.norm() * settings_.substep;
   load_bodies(world);
   bounds_.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) bounds_[i] = bounds_over(bodies_[i], duration);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Method `dem`: all bodies as surfaces, pair by pair, island by island.
+// Methods `dem` and `xpbd`: all bodies as surfaces, pair by pair, island by island.
 #pragma once
 
 #include <vector>
@@ -33,6 +33,7 @@ class SurfaceContacts {
   const WorkSplit& work() const { return work_; }
   double largest_energy_rise() const { return energy_rise_; }
   double implicit_work() const { return implicit_work_; }
+  double correction_work() const { return correction_work_; }
   double anchor_creep() const { return anchor_creep_; }
   long num_samples() const { return num_samples_; }
 
@@ -54,6 +55,7 @@ class SurfaceContacts {
   void add_pairs();
   bool add_missed_pairs(const std::vector<BodyState>& after);
   std::vector<Island> make_islands(double time) const;
+  void advance(Island& island, double end) const;
   std::vector<Island> advance_islands(World& world, double end);
   void take_back(std::vector<Island>& islands, double time);
   StepReport book_islands(const std::vector<Island>& islands, Balance& balance);
@@ -72,7 +74,7 @@ class SurfaceContacts {
   std::vector<Bounds> bounds_;         // [B + P], over the frame
   std::vector<double> factor_of_law_;  // [M * M] calibrated damping of each pair of materials
   double elastic_energy_ = 0, least_step_ = 0, energy_rise_ = 0, anchor_creep_ = 0,
-         implicit_work_ = 0;
+         implicit_work_ = 0, correction_work_ = 0;
   long num_samples_ = 0;
   WorkSplit work_;
 };

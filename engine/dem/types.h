@@ -14,8 +14,11 @@ namespace verisim::dem {
 /// How a body moves: by forces, not at all, or along given poses whatever pushes it.
 enum class Motion { kFree, kFixed, kPrescribed };
 
-/// How contact is modelled. Scene names: "dem", "seed".
-enum class Method { kDem, kSeed };
+/// How contact is modelled. Scene names: "dem", "seed", "xpbd".
+enum class Method { kDem, kSeed, kXpbd };
+
+/// Methods whose bodies meet as surfaces; those of the other are filled with particles.
+constexpr bool has_surfaces(Method method) { return method != Method::kSeed; }
 
 /// How time advances. Scene names: "seed", "rkmk4".
 enum class Integrator { kSeed, kRkmk4 };
@@ -31,6 +34,7 @@ constexpr std::string_view to_string(Integrator integrator) {
 }
 
 constexpr std::string_view to_string(Method method) {
+  if (method == Method::kXpbd) return "xpbd";
   return method == Method::kDem ? "dem" : "seed";
 }
 

@@ -57,12 +57,12 @@ World make_world(const WorldDefinition& definition) {
   for (const BodyDefinition& body : definition.bodies) world.names.push_back(body.name);
   world.planes = definition.planes;
   for (PlaneDefinition& plane : world.planes) plane.normal.normalize();
-  world.parameters = {definition.method,     definition.gravity, definition.seed,
-                      definition.integrator, definition.dem,     definition.dt};
+  world.parameters = {definition.method, definition.gravity, definition.seed, definition.integrator,
+                      definition.dem,    definition.xpbd,    definition.dt};
   world.bodies = make_bodies(definition);
-  if (definition.method == Method::kSeed) world.particles = make_particles(definition);
+  if (!has_surfaces(definition.method)) world.particles = make_particles(definition);
   world.pool = std::make_unique<ThreadPool>(definition.num_threads);
-  if (definition.method == Method::kDem) {
+  if (has_surfaces(definition.method)) {
     world.surfaces = std::make_unique<SurfaceContacts>(definition);
     book_surfaces(world);
     open_books(world.balance);
@@ -183,6 +183,7 @@ Metrics metrics_of(const World& world) {
     metrics.energy_rise_j = world.surfaces->largest_energy_rise();
     metrics.anchor_creep_m = world.surfaces->anchor_creep();
     metrics.implicit_work_j = world.surfaces->implicit_work();
+    metrics.correction_work_j = world.surfaces->correction_work();
     metrics.num_samples = world.surfaces->num_samples();
     metrics.work = world.surfaces->work();
   }

@@ -36,7 +36,8 @@ struct Parameters {
   SeedSettings seed;
   Integrator integrator;
   DemSettings dem;
-  double dt;  // s; of `dem` the frame, within which islands choose their own steps
+  XpbdSettings xpbd;
+  double dt;  // s; of `dem` and `xpbd` the frame, within which islands choose their own steps
 };
 
 class SurfaceContacts;
@@ -66,7 +67,7 @@ struct World {
   ContactBook contacts;   // which bodies touch, and this step's events
   Balance balance;        // energies, work and momentum so far
   std::unique_ptr<ThreadPool> pool;
-  std::unique_ptr<SurfaceContacts> surfaces;  // of method `dem`
+  std::unique_ptr<SurfaceContacts> surfaces;  // of methods `dem` and `xpbd`
 };
 
 /// What one step saw.

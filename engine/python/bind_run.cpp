@@ -99,6 +99,7 @@ nb::dict metrics_dict(const dem::Metrics& metrics) {
   if (metrics.num_samples > 0) {
     d["anchor_creep_m"] = metrics.anchor_creep_m;
     d["implicit_work_j"] = metrics.implicit_work_j;
+    d["correction_work_j"] = metrics.correction_work_j;
     d["num_samples"] = metrics.num_samples;
     d["num_steps"] = metrics.work.num_steps;
     d["num_implicit_steps"] = metrics.work.num_implicit_steps;
@@ -185,6 +186,10 @@ nb::dict parameters_dict(const scene::Scene& scene, const dem::WorldDefinition& 
   nb::dict d;
   d["method"] = std::string(dem::to_string(scene.physics.method));
   d["dt_s"] = world.dt;
+  if (world.method == dem::Method::kXpbd) {
+    d["substeps"] = world.xpbd.substeps;
+    return d;
+  }
   if (world.method == dem::Method::kDem) {
     d["integrator"] = world.dem.rests_implicitly ? "hybrid" : "explicit";
     d["steps_per_contact"] = world.dem.steps_per_contact;
@@ -214,12 +219,20 @@ nb::object bound_name(dem::StiffnessBound bound) {
   return nb::none();
 }
 
-/// What method dem chose from what the scene allows; none for seed.
+/// What methods dem and xpbd chose from what the scene allows; none for seed.
 nb::object chosen_dict(const dem::World& world, const dem::RunResult& result) {
   if (!world.surfaces) return nb::none();
   const dem::Chosen chosen = world.surfaces->chosen();
   const dem::HardestContact& hardest = result.hardest;
   nb::dict d;
+  if (world.parameters.method == dem::Method::kXpbd) {
+    const dem::ContactSettings& settings = world.surfaces->settings();
+    d["substeps"] = world.parameters.xpbd.substeps;
+    d["substep_s"] = settings.substep;
+    d["restitution_threshold_m_s"] = settings.restitution_threshold;
+    d["dt_s"] = result.dt;
+    return d;
+  }
   d["max_penetration_m"] = chosen.max_penetration;
   d["rest_penetration_m"] = chosen.rest_depth;
   d["predicted_penetration_m"] = hardest.predicted_penetration;

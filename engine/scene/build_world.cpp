@@ -24,7 +24,7 @@ namespace verisim::scene {
 namespace {
 
 constexpr int kSphereSubdivisions = 4;     // 5120 triangles: round at 1280x720
-constexpr double kLongestStep = 1.0 / 60;  // s, of method dem
+constexpr double kLongestStep = 1.0 / 60;  // s, of methods dem and xpbd
 constexpr double kParticlesPerExtent = 4;  // default particle size: a quarter of the body
 
 // A shape with everything bodies share that have it. Frame: body axes, origin at the centre of
@@ -33,7 +33,7 @@ struct Solid {
   shape::MassProperties mass;  // unit density
   shape::Mesh mesh;
   double smallest_extent = 0;              // m
-  dem::CollisionShape shape;               // method dem
+  dem::CollisionShape shape;               // methods dem and xpbd
   std::vector<Eigen::Vector3d> particles;  // m
   std::vector<dem::DragPatch> patches;     // where there is wind
   double particle_radius = 0;              // m
@@ -72,7 +72,7 @@ Solid make_box(const Eigen::Vector3d& edges, const Physics& physics, bool meets_
   solid.mass = shape::box_mass_properties(edges);
   solid.mesh = shape::box_mesh(edges);
   solid.smallest_extent = edges.minCoeff();
-  if (physics.method == dem::Method::kDem) {
+  if (dem::has_surfaces(physics.method)) {
     dem::BoxShape box{0.5 * edges, nullptr};
     if (meets_meshes) box.surface = surface_of(solid.mesh);
     solid.shape = box;
@@ -88,7 +88,7 @@ Solid make_mesh_solid(const ShapeSpec& spec, const Physics& physics) {
   solid.mesh = load_solid_mesh(spec);
   solid.mass = shape::mesh_mass_properties(solid.mesh);
   solid.smallest_extent = shape::smallest_extent(solid.mesh);
-  if (physics.method == dem::Method::kDem) {
+  if (dem::has_surfaces(physics.method)) {
     for (Eigen::Vector3d& vertex : solid.mesh.vertices) vertex -= solid.mass.center_of_mass;
     solid.shape = dem::MeshShape{surface_of(solid.mesh)};
     return solid;
@@ -178,6 +178,12 @@ void choose_parameters(const Physics& physics, dem::WorldDefinition& world) {
     world.dem.max_penetration = physics.max_penetration.value_or(0);
     world.dem.stiffness = physics.stiffness.value_or(0);
     if (physics.steps_per_contact) world.dem.steps_per_contact = *physics.steps_per_contact;
+    world.dt = physics.dt.value_or(kLongestStep);
+    return;
+  }
+  if (physics.method == dem::Method::kXpbd) {
+    world.integrator = dem::Integrator::kRkmk4;
+    if (physics.substeps) world.xpbd.substeps = *physics.substeps;
     world.dt = physics.dt.value_or(kLongestStep);
     return;
   }

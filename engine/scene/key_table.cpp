@@ -183,11 +183,13 @@ std::vector<Key> physics_keys() {
   return {
       {.name = "method",
        .kind = Kind::kChoice,
-       .description = "Contact method. dem: surfaces, springs chosen from the penetration allowed, "
-                      "restitution and Coulomb friction of the materials. seed: particles with "
-                      "springs and dashpots, as in the source paper.",
+       .description =
+           "Contact method. dem: surfaces, springs chosen from the penetration allowed, "
+           "restitution and Coulomb friction of the materials. xpbd: the same surfaces as rigid "
+           "ones, positions corrected in small steps. seed: particles with "
+           "springs and dashpots, as in the source paper.",
        .default_text = "dem",
-       .choices = {"dem", "seed"}},
+       .choices = {"dem", "xpbd", "seed"}},
       {.name = "integrator",
        .kind = Kind::kChoice,
        .description =
@@ -223,6 +225,15 @@ std::vector<Key> physics_keys() {
                       "it takes explicit steps.",
        .default_text = "spring",
        .choices = {"spring", "rigid_stick"}},
+      {.name = "substeps",
+       .kind = Kind::kInteger,
+       .description =
+           "Method xpbd: equal steps in dt_s of bodies that touch. Penetration falls with "
+           "their square, the speed below which nothing rebounds (2 g dt_s / substeps) "
+           "with their number.",
+       .default_text = "20",
+       .at_least = 1,
+       .at_most = 10000},
       {.name = "particle_size_m",
        .kind = Kind::kNumber,
        .description = "Method seed: particle diameter of boxes and meshes, m. A ball is always one "
@@ -231,8 +242,10 @@ std::vector<Key> physics_keys() {
        .above = 0},
       {.name = "dt_s",
        .kind = Kind::kNumber,
-       .description = "Of seed: time step, s. Of dem: longest step, s; impacts choose their own.",
-       .default_text = "seed: from the stiffest contact; dem: 1/60 s",
+       .description =
+           "Of seed: time step, s. Of dem: longest step, s; impacts choose their own. Of xpbd: the "
+           "time that substeps share.",
+       .default_text = "seed: from the stiffest contact; dem and xpbd: 1/60 s",
        .above = 0},
       {.name = "stiffness_n_m",
        .kind = Kind::kNumber,
@@ -313,7 +326,8 @@ Key modules_key() {
   return {.name = "modules",
           .kind = Kind::kMap,
           .description =
-              "What else acts on the bodies, with method dem. What is absent is not "
+              "What else acts on the bodies, with method dem; wind also with xpbd. What is absent "
+              "is not "
               "modelled and costs nothing.",
           .children = {wind_key(), tethers_key()}};
 }

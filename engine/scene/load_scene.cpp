@@ -203,15 +203,24 @@ class Reader {
     const YAML::Node node = root_["physics"];
     if (!node) return;
     Physics& physics = scene_.physics;
-    if (node["method"] && node["method"].Scalar() == "seed") physics.method = dem::Method::kSeed;
+    if (node["method"]) {
+      for (const dem::Method method : {dem::Method::kSeed, dem::Method::kXpbd}) {
+        if (node["method"].Scalar() == dem::to_string(method)) physics.method = method;
+      }
+    }
     read(node["integrator"], physics.integrator);
     read(node["max_penetration_m"], physics.max_penetration);
     if (node["steps_per_contact"]) {
       physics.steps_per_contact = node["steps_per_contact"].as<int>();
     }
+    if (node["substeps"]) physics.substeps = node["substeps"].as<int>();
     const bool is_seed = physics.method == dem::Method::kSeed;
+    const bool is_dem = physics.method == dem::Method::kDem;
+    const bool is_xpbd = physics.method == dem::Method::kXpbd;
     const bool is_of_seed = physics.integrator == "seed" || physics.integrator == "rkmk4";
-    if (!physics.integrator.empty() && is_of_seed != is_seed) {
+    if (is_xpbd && !physics.integrator.empty()) {
+      add("physics.integrator", node["integrator"], "only with method: dem or seed");
+    } else if (!physics.integrator.empty() && is_of_seed != is_seed) {
       add("physics.integrator", node["integrator"],
           is_seed ? "one of: seed, rkmk4 (method seed)" : "one of: hybrid, explicit (method dem)");
     }
@@ -223,10 +232,13 @@ class Reader {
     belongs_to("particle_size_m", is_seed, "seed");
     belongs_to("damping_ratio", is_seed, "seed");
     belongs_to("tangential_damping_ratio", is_seed, "seed");
-    belongs_to("max_penetration_m", !is_seed, "dem");
-    belongs_to("steps_per_contact", !is_seed, "dem");
-    belongs_to("contact_law", !is_seed, "dem");
-    belongs_to("tangential_law", !is_seed, "dem");
+    belongs_to("max_penetration_m", is_dem, "dem");
+    belongs_to("steps_per_contact", is_dem, "dem");
+    belongs_to("contact_law", is_dem, "dem");
+    belongs_to("tangential_law", is_dem, "dem");
+    belongs_to("stiffness_n_m", !is_xpbd, "dem or seed");
+    belongs_to("substeps", is_xpbd, "xpbd");
+    if (is_xpbd) refuse_rolling_friction();
     read_laws(node);
     read(node["particle_size_m"], physics.particle_size);
     read(node["dt_s"], physics.dt);
@@ -235,6 +247,20 @@ class Reader {
     read(node["tangential_damping_ratio"], physics.tangential_damping_ratio);
     if (physics.dt && *physics.dt > scene_.duration) {
       add("physics.dt_s", node["dt_s"], "at most duration_s");
+    }
+  }
+
+  void refuse_rolling_friction() {
+    const std::string allowed = "0 with method: xpbd", hint = "method dem resists rolling";
+    for (const Material& material : scene_.materials) {
+      if (material.rolling_friction == 0) continue;
+      add("materials." + material.name + ".rolling_friction",
+          root_["materials"][material.name]["rolling_friction"], allowed, hint);
+    }
+    for (std::size_t i = 0; i < scene_.material_pairs.size(); ++i) {
+      if (scene_.material_pairs[i].rolling_friction.value_or(0) == 0) continue;
+      add("material_pairs." + std::to_string(i) + ".rolling_friction",
+          root_["material_pairs"][i]["rolling_friction"], allowed, hint);
     }
   }
 
@@ -271,6 +297,9 @@ class Reader {
     if (!node) return;
     if (node.size() > 0 && scene_.physics.method == dem::Method::kSeed) {
       add("modules", node, "only with method: dem", "remove modules, or physics.method");
+    }
+    if (node["tethers"] && scene_.physics.method == dem::Method::kXpbd) {
+      add("modules.tethers", node["tethers"], "only with method: dem");
     }
     if (node["wind"]) read_wind(node["wind"]);
     for (std::size_t i = 0; node["tethers"] && i < node["tethers"].size(); ++i) {

@@ -65,6 +65,7 @@ struct Physics {
   std::optional<int> steps_per_contact;
   dem::NormalLaw contact_law = dem::NormalLaw::kHuntCrossley;
   dem::TangentialLaw tangential_law = dem::TangentialLaw::kSpring;
+  std::optional<int> substeps;  // of method xpbd
   // Method seed.
   double damping_ratio = 1;
   double tangential_damping_ratio = 0.5;

@@ -15,9 +15,10 @@
 namespace verisim::view {
 namespace {
 
-constexpr double kSlowerThanAsked = 0.9;              // of the speed chosen
-constexpr double kMaxRatio = 3;                       // damping and friction sliders
-constexpr double kFewestSteps = 6, kMostSteps = 200;  // of method dem, in one impact
+constexpr double kSlowerThanAsked = 0.9;                    // of the speed chosen
+constexpr double kMaxRatio = 3;                             // damping and friction sliders
+constexpr double kFewestSteps = 6, kMostSteps = 200;        // of method dem, in one impact
+constexpr double kFewestSubsteps = 1, kMostSubsteps = 100;  // of method xpbd, in one frame
 
 const scene::Key& physics_key(const std::string& name) {
   const auto find = [](const std::vector<scene::Key>& keys,
@@ -184,10 +185,23 @@ void draw_dem(LiveScene& live, const Ranges& ranges, Controls& controls) {
          now.rests_implicitly ? "hybrid" : "explicit", Effect::kRestarts, controls);
 }
 
+void draw_xpbd(LiveScene& live, const Ranges& ranges, Controls& controls) {
+  live_slider(live, {"Frame", "dt_s", ranges.dt_low, ranges.dt_high, "s", kByPowers},
+              live.chosen_dt(), controls);
+  ImGui::TextDisabled("These start the scene again, from time 0:");
+  restart_slider(live,
+                 {"Substeps", "substeps", kFewestSubsteps, kMostSubsteps, "",
+                  ImGuiSliderFlags_NoRoundToFormat, true},
+                 live.world().parameters.xpbd.substeps, controls);
+}
+
 void draw_physics(LiveScene& live, const Ranges& ranges, Controls& controls) {
   heading("Physics");
   draw_gravity(live, controls);
-  if (live.world().surfaces) {
+  const dem::Method method = live.world().parameters.method;
+  if (method == dem::Method::kXpbd) {
+    draw_xpbd(live, ranges, controls);
+  } else if (method == dem::Method::kDem) {
     draw_dem(live, ranges, controls);
   } else {
     draw_seed(live, ranges, controls);
@@ -241,7 +255,7 @@ Ranges ranges_of(const scene::BuiltScene& built) {
   Ranges ranges{built.world.seed.stiffness / kDecades,
                 built.world.seed.stiffness * kDecades,
                 built.world.dt / kSteps,
-                built.world.dt * (built.world.method == dem::Method::kDem ? kFrames : kSteps),
+                built.world.dt * (dem::has_surfaces(built.world.method) ? kFrames : kSteps),
                 0,
                 0,
                 0,

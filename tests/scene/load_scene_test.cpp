@@ -126,6 +126,30 @@ TEST_CASE("a_key_of_the_other_method_is_refused") {
   CHECK(of_dem[1].allowed == "only with method: dem");
 }
 
+TEST_CASE("what_method_xpbd_does_not_model_is_refused") {
+  const std::string text =
+      replaced(kGood, "{dt_s: 1e-4}",
+               "{method: xpbd, substeps: 40, integrator: hybrid, stiffness_n_m: 1e5, "
+               "max_penetration_m: 1e-4}") +
+      "modules:\n  wind: {velocity_m_s: [3, 0, 0]}\n"
+      "  tethers:\n    - {body: ball, anchor_m: [0.3, 0, 1]}\n";
+  const std::vector<Problem> problems = problems_of(text);
+  REQUIRE(problems.size() == 4);
+  CHECK(problems[0].key == "physics.integrator");
+  CHECK(problems[1].key == "physics.max_penetration_m");
+  CHECK(problems[1].allowed == "only with method: dem");
+  CHECK(problems[2].key == "physics.stiffness_n_m");
+  CHECK(problems[3].key == "modules.tethers");
+  const File file(replaced(kGood, "{dt_s: 1e-4}", "{method: xpbd, substeps: 40}"));
+  const Scene scene = load_scene(file.path);
+  CHECK(scene.physics.method == verisim::dem::Method::kXpbd);
+  CHECK(scene.physics.substeps == 40);
+  const std::vector<Problem> of_dem =
+      problems_of(replaced(kGood, "{dt_s: 1e-4}", "{substeps: 40}"));
+  REQUIRE(of_dem.size() == 1);
+  CHECK(of_dem[0].allowed == "only with method: xpbd");
+}
+
 TEST_CASE("modules_and_laws_are_read_by_name") {
   const std::string text =
       replaced(kGood, "{dt_s: 1e-4}", "{contact_law: linear, tangential_law: rigid_stick}") +

@@ -109,4 +109,20 @@ SEED = Ladder(
         Rung("rkmk4, stiffness x10", {"integrator": "rkmk4", "stiffness_n_m": Times(10)}),
     ),
 )
-LADDERS = (DEM, EXPLICIT, SEED)
+# `xpbd`: substeps of a frame, and a long frame for what flies, which it does exactly.
+XPBD_SUBSTEPS = {5: True, 10: False, 20: True, 40: False, 80: True, 160: False}
+XPBD = Ladder(
+    "xpbd",
+    "xpbd",
+    {"method": "xpbd"},
+    (
+        *(
+            Rung(f"{count} substeps", {"substeps": count}, is_quick=is_quick)
+            for count, is_quick in XPBD_SUBSTEPS.items()
+        ),
+        Rung("dt 1/10, 30 substeps", {"dt_s": 0.1, "substeps": 30}, is_quick=True),
+        Rung("dt 1/10, 120 substeps", {"dt_s": 0.1, "substeps": 120}),
+        Rung("320 substeps", {"substeps": 320}, is_finest=True),
+    ),
+)
+LADDERS = (DEM, EXPLICIT, XPBD, SEED)

@@ -6,19 +6,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from verisim.bench.problems import BenchError
-from verisim.bench.stability.cells import METHODS, StabilityMap
+from verisim.bench.stability.cells import METHODS, SPRINGS, StabilityMap
 from verisim.bench.stability.column_maps import column_maps
 from verisim.bench.stability.impact_maps import impact_maps
+from verisim.bench.stability.xpbd_maps import xpbd_maps
 
 NOT_POSED = {
     ("particle_size", "dem-explicit"): "Method dem has no particles: boxes meet by exact clipping, "
     "meshes by weighted surface points whose spacing no scene key sets.",
     ("particle_size", "dem-hybrid"): "As with dem-explicit.",
+    ("particle_size", "xpbd"): "As with dem-explicit.",
+    ("stiffness_step", "xpbd"): "Contacts of method xpbd are rigid: there is no stiffness to vary.",
 }
 
 
 def all_maps() -> list[StabilityMap]:
-    return [*column_maps(), *impact_maps()]
+    return [*column_maps(), *impact_maps(), *xpbd_maps()]
 
 
 def choose(maps: Sequence[str] | None, methods: Sequence[str] | None) -> list[StabilityMap]:
@@ -42,7 +45,8 @@ def choose(maps: Sequence[str] | None, methods: Sequence[str] | None) -> list[St
     if not chosen:
         raise BenchError(
             f"no map of {', '.join(maps or keys)} can be posed for {', '.join(methods or METHODS)}"
-            "\n  hint: particle_size needs --methods seed"
+            f"\n  hint: particle_size needs --methods seed, stiffness_step {' or '.join(SPRINGS)}"
+            ".join(SPRINGS)}",
         )
     return chosen
 

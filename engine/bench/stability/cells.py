@@ -25,7 +25,9 @@ METHODS = {
     "seed": {"method": "seed"},
     "dem-explicit": {"method": "dem", "integrator": "explicit"},
     "dem-hybrid": {"method": "dem", "integrator": "hybrid"},
+    "xpbd": {"method": "xpbd"},
 }
+SPRINGS = tuple(name for name in METHODS if name != "xpbd")  # whose contacts are springs
 Scene = dict[str, Any]
 
 

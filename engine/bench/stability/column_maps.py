@@ -14,6 +14,7 @@ from verisim.bench.stability import limits
 from verisim.bench.stability.cells import (
     HOLDS,
     METHODS,
+    SPRINGS,
     Grid,
     Judge,
     Line,
@@ -385,4 +386,4 @@ def _ratio_line(ratios: tuple[float, ...]) -> Line:
 
 
 def column_maps() -> list[StabilityMap]:
-    return [make(method) for make in (_stack, _tower, _ratio) for method in METHODS]
+    return [make(method) for make in (_stack, _tower, _ratio) for method in SPRINGS]

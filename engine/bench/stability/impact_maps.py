@@ -9,6 +9,7 @@ from verisim.bench.stability import limits
 from verisim.bench.stability.cells import (
     HOLDS,
     METHODS,
+    SPRINGS,
     Grid,
     Judge,
     Line,
@@ -313,5 +314,5 @@ def _bounce_lines(restitutions: tuple[float, ...]) -> list[Line]:
 
 
 def impact_maps() -> list[StabilityMap]:
-    maps = [_wall(method) for method in METHODS]
-    return [*maps, _landing(), *(_bounce(method) for method in METHODS)]
+    maps = [_wall(method) for method in SPRINGS]
+    return [*maps, _landing(), *(_bounce(method) for method in SPRINGS)]

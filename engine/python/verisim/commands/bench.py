@@ -38,7 +38,7 @@ def register(app: typer.Typer) -> None:
             str | None,
             typer.Option(
                 metavar="NAMES",
-                help="Comma-separated, of seed, dem and dem-explicit (maps: dem-hybrid); "
+                help="Comma-separated, of seed, dem, dem-explicit and xpbd (maps: dem-hybrid); "
                 "default: all.",
             ),
         ] = None,

@@ -160,7 +160,12 @@ def _print(summary: dict[str, Any], parameters: dict[str, Any]) -> None:
 
 
 def _chosen(chosen: dict[str, Any]) -> str:
-    """What method dem made of the penetration that the scene allows."""
+    """What method dem made of the penetration that the scene allows; the steps of xpbd."""
+    if "substep_s" in chosen:
+        return (
+            f"{chosen['substeps']} substeps of {chosen['substep_s']:.3g} s, no rebound below "
+            f"{chosen['restitution_threshold_m_s']:.3g} m/s, steps from {chosen['dt_s']:.3g} s"
+        )
     parts = [
         f"penetration {chosen['max_penetration_m']:.3g} m allowed",
         f"{chosen['rest_penetration_m']:.3g} m under a resting load",
