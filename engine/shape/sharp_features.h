@@ -10,7 +10,8 @@
 
 namespace verisim::shape {
 
-/// Between the normals of two triangles: 20 degrees. Finer facets count as a curved surface, which has no edges.
+/// Between the normals of two triangles: 20 degrees. Finer facets count as a curved surface, which
+/// has no edges.
 constexpr double kSharpAngle = 0.3490658503988659;  // rad
 /// Of what is missing to a full turn round a vertex that sticks out: 3 degrees. A blunter one
 /// rises by less than 1/15 of the way to its neighbours.
