@@ -19,6 +19,10 @@ using Eigen::Vector3d;
 
 // Longest time over which a pair's load is averaged (s).
 constexpr double kLoadMemory = 0.02;
+// A pair whose springs hold less than this share of an impact's energy counts as not pressed in.
+constexpr double kUnpressed = 1e-7;
+// Restitution from where energy that stiffening takes would be seen: less is lost in the impact.
+constexpr double kElastic = 0.9;
 
 // Inverse mass of a body at a point of its surface over that at its centre, of any solid shape.
 constexpr double kMostLever = 8;
@@ -221,6 +225,26 @@ double fastest_closing(const LocalPair& local, const Island& island,
   return fastest;
 }
 
+/// The fastest approach (m/s) of the island's touching pairs.
+double fastest_impact(const Island& island, const ContactSettings& settings) {
+  double fastest = 0;
+  for (const LocalPair& local : island.pairs) {
+    if (!local.pair.is_touching) continue;
+    fastest = std::max(fastest, fastest_closing(local, island, settings));
+  }
+  return fastest;
+}
+
+/// True if nothing presses the pair in, compared with `energy` (J): to stiffen it costs nothing.
+bool is_unpressed(const ContactPair& pair, double energy) {
+  double stored = 0;
+  for (const ContactPoint& point : pair.points) {
+    const double compression = std::max(0.0, point.depth - point.offset);
+    stored += 0.5 * pair.stiffness * point.weight * compression * compression;
+  }
+  return stored <= kUnpressed * energy;
+}
+
 /// Stiffness and damping scale follow what the pair goes through now.
 void adapt(LocalPair& local, Island& island, double drift, const ContactSettings& settings) {
   ContactPair& pair = local.pair;
@@ -253,6 +277,13 @@ void adapt(LocalPair& local, Island& island, double drift, const ContactSettings
   double wanted = is_compressing ? mass * ratio * ratio : 0;
   if (!is_compressing && pair.mean_load > 1.2 * pair.stiffness * settings.rest_depth) {
     wanted = std::min(1.5 * pair.stiffness, pair.mean_load / settings.rest_depth);
+  }
+  if (pair.law.restitution >= kElastic) {
+    // An elastic pair that nothing presses in yet awaits the island's impact.
+    const double impact = fastest_impact(island, settings);
+    const double awaited = mass * std::pow(impact / settings.impact_depth, 2);
+    const bool is_free = is_unpressed(pair, 0.5 * mass * impact * impact);
+    if (is_free) wanted = std::max(wanted, awaited);
   }
   if (wanted > pair.stiffness) {
     island.books.damping_work += stiffen(pair, wanted);

@@ -57,7 +57,7 @@ def test_what_fails_elsewhere_stays_within_its_limit(scene: str, limit: dict[str
         f"{peer['note']}); residual {residual:.1e}, {1000 * cost:.2f} ms CPU per s"
     )
     print("\n" + words)
-    assert failures <= {None, limit.get("known_failure")}, f"{failures}; {words}"
+    assert failures <= {None}, f"{failures}; {words}"
     assert residual < ENERGY_RESIDUAL, words
     if limit.get("met", True):
         assert met, words
