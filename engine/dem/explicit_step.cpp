@@ -225,9 +225,15 @@ double fastest_closing(const LocalPair& local, const Island& island,
   return fastest;
 }
 
-/// The fastest approach (m/s) of the island's touching pairs.
-double fastest_impact(const Island& island, const ContactSettings& settings) {
+/// The fastest approach (m/s) of the island's touching pairs, 0 if none of them is elastic.
+double fastest_elastic_impact(const Island& island, const ContactSettings& settings) {
   double fastest = 0;
+  bool is_any_elastic = false;
+  for (const LocalPair& local : island.pairs) {
+    if (!local.pair.is_touching) continue;
+    is_any_elastic = is_any_elastic || local.pair.law.restitution >= kElastic;
+  }
+  if (!is_any_elastic) return 0;
   for (const LocalPair& local : island.pairs) {
     if (!local.pair.is_touching) continue;
     fastest = std::max(fastest, fastest_closing(local, island, settings));
@@ -245,8 +251,10 @@ bool is_unpressed(const ContactPair& pair, double energy) {
   return stored <= kUnpressed * energy;
 }
 
-/// Stiffness and damping scale follow what the pair goes through now.
-void adapt(LocalPair& local, Island& island, double drift, const ContactSettings& settings) {
+/// Stiffness and damping scale follow what the pair goes through now. `impact` (m/s): the island's
+/// fastest, which an elastic pair that nothing presses in yet awaits.
+void adapt(LocalPair& local, Island& island, double drift, double impact,
+           const ContactSettings& settings) {
   ContactPair& pair = local.pair;
   const BodyState& a = body_a(island, local);
   const BodyState& b = body_b(island, local);
@@ -278,12 +286,10 @@ void adapt(LocalPair& local, Island& island, double drift, const ContactSettings
   if (!is_compressing && pair.mean_load > 1.2 * pair.stiffness * settings.rest_depth) {
     wanted = std::min(1.5 * pair.stiffness, pair.mean_load / settings.rest_depth);
   }
-  if (pair.law.restitution >= kElastic) {
-    // An elastic pair that nothing presses in yet awaits the island's impact.
-    const double impact = fastest_impact(island, settings);
-    const double awaited = mass * std::pow(impact / settings.impact_depth, 2);
-    const bool is_free = is_unpressed(pair, 0.5 * mass * impact * impact);
-    if (is_free) wanted = std::max(wanted, awaited);
+  const double awaited = mass * std::pow(impact / settings.impact_depth, 2);
+  if (pair.law.restitution >= kElastic && awaited > wanted &&
+      is_unpressed(pair, 0.5 * mass * impact * impact)) {
+    wanted = awaited;
   }
   if (wanted > pair.stiffness) {
     island.books.damping_work += stiffen(pair, wanted);
@@ -308,9 +314,10 @@ void evaluate_contact_forces(Island& island, double drift, const ContactSettings
   const double shear_energy = island.books.shear_energy;
   island.books.elastic_energy = island.books.shear_energy = 0;
   long num_contacts = 0;
+  const double impact = fastest_elastic_impact(island, settings);
   for (LocalPair& local : island.pairs) {
     if (!local.pair.is_touching) continue;
-    if (drift > 0) adapt(local, island, drift, settings);
+    if (drift > 0) adapt(local, island, drift, impact, settings);
     Touching touching;
     for (const ContactPoint& point : local.pair.points) {
       if (point.depth <= point.offset) continue;
