@@ -18,13 +18,14 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent.parent / "verification"))
 from drops import Outcome, run_scenes, write_scene
 from impacts import Impact, judge
-from piles import EDGE_M, IMPACTS, PENETRATIONS_M, stacked_pile, tumbled_pile
+from piles import IMPACTS, PENETRATIONS_M
 
+from verisim.bench.chart.generated import EDGE_M, stacked_pile, tumbled_pile
 from verisim.bench.chart.overlap import overlaps
 
 SPEED_M_S = 1e-5  # mean, at rest
 # Energy left unexplained, where the target of 1e-3 is missed today: 1.5 times what was measured.
-RESIDUALS = {("ball-into-cubes", 3e-4): 2e-3, ("ball-into-cubes", 1e-5): 1.7e-2}
+RESIDUALS = {("ball-into-cubes", 1e-5): 1.5e-2}
 
 
 @dataclass
@@ -66,7 +67,7 @@ def measure(outcome: Outcome) -> Pile:
     ],
 )
 def test_stacked_boxes_rest(tmp_path: Path, side: int, limit_s: int) -> None:
-    scene = write_scene(tmp_path, stacked_pile((side, side), 10, 8))
+    scene = write_scene(tmp_path, stacked_pile(side, 10, 8))
     (outcome,) = run_scenes([scene], limit_s)
     pile = measure(outcome)
     assert outcome.code is None

@@ -3,25 +3,17 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from verisim.bench.chart.closed_forms import box_moments, free_spin
 from verisim.engine import Run
 
 Array = npt.NDArray[np.float64]
-
-
-def _inertia(edges: tuple[float, ...]) -> Array:
-    """Principal moments per mass."""
-    squares = np.square(edges)
-    moments: Array = (squares.sum() - squares) / 12
-    return moments
 
 
 def _rotations(quaternions_wxyz: Array) -> Rotation:
@@ -37,30 +29,14 @@ def spin_b(run: Run) -> Array:
 
 def energies(run: Run, edges: list[float]) -> Array:
     """Per mass."""
-    values: Array = 0.5 * (spin_b(run) ** 2) @ _inertia(tuple(edges))
+    values: Array = 0.5 * (spin_b(run) ** 2) @ box_moments(tuple(edges))
     return values
-
-
-@cache
-def _exact(edges: tuple[float, ...], spin: tuple[float, ...], duration: float) -> Any:
-    """Dense solution: quaternion (w first), then the spin in the body frame."""
-    moments = _inertia(edges)
-
-    def rates(_time: float, state: Array) -> Array:
-        w, v, omega = state[0], state[1:4], state[4:]
-        turning = 0.5 * np.concatenate([[-v @ omega], w * omega + np.cross(v, omega)])
-        return np.concatenate([turning, -np.cross(omega, moments * omega) / moments])
-
-    start = np.concatenate([[1, 0, 0, 0], spin])
-    return solve_ivp(
-        rates, (0, duration), start, "DOP853", rtol=1e-13, atol=1e-15, dense_output=True
-    ).sol
 
 
 def _exact_of(run: Run, scene: dict[str, Any]) -> Any:
     body = scene["bodies"][0]
     edges, spin = tuple(body["shape"]["box_m"]), tuple(body["angular_velocity_rad_s"])
-    return _exact(edges, spin, float(run.poses.time_s[-1]))
+    return free_spin(edges, spin, float(run.poses.time_s[-1]))
 
 
 def orientation_error_deg(run: Run, scene: dict[str, Any], time: float) -> float:

@@ -6,10 +6,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
+from verisim.bench.chart.generated import EDGE_M
 
 Body = dict[str, Any]
-EDGE_M = 0.5
 CUBE = {"box_m": [EDGE_M] * 3}
 
 
@@ -31,46 +30,6 @@ def _scene(
 
 def _cube(name: str, place: list[float]) -> Body:
     return {"name": name, "shape": CUBE, "material": "wood", "position_m": place}
-
-
-def stacked_pile(columns: tuple[int, int], layers: int, duration: float) -> dict[str, Any]:
-    """Cubes of 125 kg fall from a nearly aligned grid: gaps of 10 mm, 2 mm aside at random."""
-    rng = np.random.default_rng(3)
-    bodies = []
-    for x in range(columns[0]):
-        for y in range(columns[1]):
-            for z in range(layers):
-                aside = rng.uniform(-2e-3, 2e-3, 2)
-                place = [
-                    (EDGE_M + 0.02) * x + aside[0],
-                    (EDGE_M + 0.02) * y + aside[1],
-                    (EDGE_M + 0.01) * z + EDGE_M / 2 + 0.01,
-                ]
-                bodies.append(_cube(f"box-{x}-{y}-{z}", place))
-    return _scene(f"stacked-{len(bodies)}", bodies, duration, 0)
-
-
-def tumbled_pile(num_boxes: int, duration: float) -> dict[str, Any]:
-    """Cubes in random orientations fall from a loose grid into a pit."""
-    rng = np.random.default_rng(7)
-    side = 5 * (num_boxes / 1000) ** (1 / 3)
-    row = max(1, int(side / 0.9))
-    bodies = []
-    for i in range(num_boxes):
-        turn = rng.normal(size=4)
-        place = [
-            (i % row + 0.5) * side / row - side / 2,
-            (i // row % row + 0.5) * side / row - side / 2,
-            0.5 + 0.9 * (i // row**2),
-        ]
-        turn /= np.linalg.norm(turn)
-        bodies.append({**_cube(f"box-{i}", place), "orientation_wxyz": turn.tolist()})
-    for name, x, y in (("east", 1, 0), ("west", -1, 0), ("north", 0, 1), ("south", 0, -1)):
-        away = side / 2 + 0.5
-        edges = [1 if x else side + 2, 1 if y else side + 2, 60]
-        wall = {"name": name, "shape": {"box_m": edges}, "material": "wood", "motion": "fixed"}
-        bodies.append({**wall, "position_m": [x * away, y * away, 30]})
-    return _scene(f"tumbled-{num_boxes}", bodies, duration, 0)
 
 
 def ball_into_cubes() -> dict[str, Any]:
