@@ -102,6 +102,26 @@ inline Eigen::Quaterniond turned(double degrees, const Vector3d& axis) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.normalized()));
 }
 
+/// Two balls (i even) or boxes that meet off centre, spinning, the second three times as heavy.
+VERISIM_OUT_OF_LINE WorldDefinition isolated_collision(int i) {
+  const bool is_box = i % 2 == 1;
+  const auto body_at = [&](double x) {
+    return is_box ? solid_box({0.1, 0.14, 0.2}, 1, {x, 0, 0}) : ball(0.08, 1, {x, 0, 0});
+  };
+  BodyDefinition left = body_at(-0.3), right = body_at(0.3);
+  right.mass *= 3;
+  right.inertia_b *= 3;
+  left.initial.orientation = turned(20 * i, {1, 2, 3});
+  right.initial.orientation = turned(35 * i, {-2, 1, 1});
+  left.initial.position += Vector3d(0, 0.02, 0.01 * i) + Vector3d(1, 2, 3);
+  right.initial.position += Vector3d(1, 2, 3);
+  left.initial.linear_velocity = {2, 0.1, 0};
+  right.initial.linear_velocity = {-1, 0, 0.05};
+  left.initial.angular_velocity = {1, -2, 3};
+  right.initial.angular_velocity = {-3, 1, 0.5};
+  return free_world({left, right}, 0.6, 0.4);
+}
+
 /// Prints what a test measured if the environment has TOL_SCALE=0.
 template <class... Values>
 void tell(const char* what, const Values&... values) {
