@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ from verisim.stimuli.engine_build import engine_build
 from verisim.stimuli.expand import Stimulus, content_key, expand
 from verisim.stimuli.make_stimulus import Folder, Task, add_error, make_stimulus, read_finished
 from verisim.stimuli.manifest import write_manifest, write_set_json
+from verisim.stimuli.only_writer import only_writer
 from verisim.stimuli.problems import SetError, StimuliError
 from verisim.stimuli.set_file import load_set
 from verisim.stimuli.workers import run_tasks
@@ -114,14 +114,7 @@ def _only_build(folder: Folder) -> Iterator[None]:
     """Makes the folders, keeps other builds out, and clears what an interrupted build left."""
     for directory in (folder.directory, folder.clips, folder.poses):
         directory.mkdir(parents=True, exist_ok=True)
-    with (folder.directory / ".lock").open("w") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise StimuliError(
-                f"{folder.directory}: another build is writing here\n"
-                "  hint: wait for it, or choose another folder with -o"
-            ) from error
+    with only_writer(folder.directory, "build", StimuliError):
         for directory in (folder.clips, folder.poses):
             for left_over in directory.glob(".*"):
                 left_over.unlink()

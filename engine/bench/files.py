@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import csv
-import fcntl
 import io
 import os
 from collections.abc import Iterable, Iterator, Sequence
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from verisim.bench.problems import BenchError
+from verisim.stimuli.only_writer import only_writer
 
 
 def table_text(columns: Sequence[str], rows: Iterable[dict[str, Any]]) -> str:
@@ -58,14 +58,7 @@ def whole_rows(file: Path, columns: Sequence[str]) -> list[dict[str, str]]:
 def only_bench(directory: Path) -> Iterator[None]:
     """Makes the directory and keeps other benches out of it."""
     if directory.exists() and not directory.is_dir():
-        raise BenchError(f"-o: saw {directory}, a file\n  hint: name a folder for the maps")
+        raise BenchError(f"-o: saw {directory}, a file\n  hint: name a folder")
     directory.mkdir(parents=True, exist_ok=True)
-    with (directory / ".lock").open("w") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise BenchError(
-                f"{directory}: another bench is writing here\n"
-                "  hint: wait for it, or choose another folder with -o"
-            ) from error
+    with only_writer(directory, "bench", BenchError):
         yield

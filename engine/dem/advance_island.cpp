@@ -25,11 +25,6 @@ constexpr double kBend = 0.25;
 constexpr double kShortestRestStep = 1.0 / 256;
 constexpr double kOnTime = 1e-12;  // of a frame
 
-bool has_contact(const Island& island) {
-  return std::any_of(island.pairs.begin(), island.pairs.end(),
-                     [](const LocalPair& local) { return local.pair.is_touching; });
-}
-
 /// True if impacts went on when the last frame ended. Loads are not known anew yet, and at its
 /// turning point an impact looks like rest.
 bool may_be_in_impact(const Island& island) {

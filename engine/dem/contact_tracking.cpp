@@ -13,6 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+// Closer than this share of the impact depth counts as touch-down.
+constexpr double kTouchDown = 1e-3;
 // A point that got a new name but moved less than this share of the smaller body is the same.
 constexpr double kSamePlace = 0.01;
 // An approach faster than this many times the fall through the depth of rest is an impact.
@@ -43,12 +45,6 @@ void inherit(const ContactPoint& old, bool same_axis, ContactPoint& point) {
   point.anchor = old.anchor;
 }
 
-/// Energy (J) of a point's normal spring.
-double energy_of(const ContactPair& pair, const ContactPoint& point) {
-  const double compression = std::max(0.0, point.depth - point.offset);
-  return 0.5 * pair.stiffness * point.weight * compression * compression;
-}
-
 /// The old load over new points that are none of the old: equal forces, their energy no more than
 /// the old one.
 void share_load(const std::vector<ContactPoint>& old, ContactPair& pair) {
@@ -56,7 +52,7 @@ void share_load(const std::vector<ContactPoint>& old, ContactPair& pair) {
   for (const ContactPoint& point : old) {
     const double force = pair.stiffness * point.weight * std::max(0.0, point.depth - point.offset);
     load += force;
-    energy += energy_of(pair, point);
+    energy += normal_energy(pair, point);
   }
   double compliance = 0, count = 0;
   for (const ContactPoint& point : pair.points) {
@@ -108,10 +104,10 @@ double keep_springs(const std::vector<ContactPoint>& old, double same_place, boo
     }
   }
   double lost = 0;
-  for (const ContactPoint* point : unclaimed) lost += energy_of(pair, *point);
+  for (const ContactPoint* point : unclaimed) lost += normal_energy(pair, *point);
   if (!knows_any && pair.is_touching) {
     share_load(old, pair);
-    for (const ContactPoint& point : pair.points) lost -= energy_of(pair, point);
+    for (const ContactPoint& point : pair.points) lost -= normal_energy(pair, point);
   }
   return lost;
 }
@@ -168,6 +164,28 @@ double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodie
   const BodyState& a = bodies[static_cast<std::size_t>(local.a)];
   const BodyState& b = bodies[static_cast<std::size_t>(local.b)];
   return -point.normal.dot(a.velocity_at(point.place) - b.velocity_at(point.place));
+}
+
+double touch_gap(const ContactSettings& settings) { return kTouchDown * settings.impact_depth; }
+
+double fastest_closing(const LocalPair& local, const std::vector<BodyState>& bodies,
+                       const ContactSettings& settings) {
+  double fastest = -std::numeric_limits<double>::infinity();
+  for (const ContactPoint& point : local.pair.points) {
+    if (point.depth < -touch_gap(settings)) continue;
+    fastest = std::max(fastest, closing_speed(local, bodies, point));
+  }
+  return fastest;
+}
+
+bool has_contact(const Island& island) {
+  return std::any_of(island.pairs.begin(), island.pairs.end(),
+                     [](const LocalPair& local) { return local.pair.is_touching; });
+}
+
+double normal_energy(const ContactPair& pair, const ContactPoint& point) {
+  const double compression = std::max(0.0, point.depth - point.offset);
+  return 0.5 * pair.stiffness * point.weight * compression * compression;
 }
 
 void record_event(Island& island, const LocalPair& local, ContactChange change, double speed) {

@@ -20,6 +20,19 @@ void look_and_book(LocalPair& local, Island& island, double margin, double elaps
 double closing_speed(const LocalPair& local, const std::vector<BodyState>& bodies,
                      const ContactPoint& point);
 
+/// Gap (m) below which two surfaces have met.
+double touch_gap(const ContactSettings& settings);
+
+/// Fastest approach (m/s) of the points of a pair that have met; minus infinity if none has.
+double fastest_closing(const LocalPair& local, const std::vector<BodyState>& bodies,
+                       const ContactSettings& settings);
+
+/// True if a pair of the island touches.
+bool has_contact(const Island& island);
+
+/// Energy (J) of a point's normal spring.
+double normal_energy(const ContactPair& pair, const ContactPoint& point);
+
 /// Begins the contact of a pair whose points are within `tolerance` (m) and approach, and ends
 /// that of a pair whose points have all left. Stiffness and damping scale are set at the onset.
 void update_contact(LocalPair& local, Island& island, const ContactSettings& settings,

@@ -48,7 +48,7 @@ BodyState& body_b(Island& island, const LocalPair& local) {
 double time_to_meet(const LocalPair& local, const Island& island, double step,
                     const ContactSettings& settings) {
   const ContactPair& pair = local.pair;
-  const double touch_down = kTouchDown * settings.impact_depth;
+  const double touch_down = touch_gap(settings);
   if (!pair.is_touching) {
     const Approach approach = approach_of(local, island, settings.gravity);
     if (pair.gap > touch_down) return time_to_close(pair.gap, approach);
@@ -214,29 +214,17 @@ void apply(LocalPair& local, ContactPoint& point, const Touching& touching, doub
   island.books.max_overlap = std::max(island.books.max_overlap, point.depth);
 }
 
-/// Fastest approach (m/s) of a pair's points that touch or are about to.
-double fastest_closing(const LocalPair& local, const Island& island,
-                       const ContactSettings& settings) {
-  double fastest = -std::numeric_limits<double>::infinity();
-  for (const ContactPoint& point : local.pair.points) {
-    if (point.depth < -kTouchDown * settings.impact_depth) continue;
-    fastest = std::max(fastest, closing_speed(local, island.bodies, point));
-  }
-  return fastest;
-}
-
 /// The fastest approach (m/s) of the island's touching pairs, 0 if none of them is elastic.
 double fastest_elastic_impact(const Island& island, const ContactSettings& settings) {
-  double fastest = 0;
-  bool is_any_elastic = false;
-  for (const LocalPair& local : island.pairs) {
-    if (!local.pair.is_touching) continue;
-    is_any_elastic = is_any_elastic || local.pair.law.restitution >= kElastic;
-  }
+  const bool is_any_elastic =
+      std::any_of(island.pairs.begin(), island.pairs.end(), [](const LocalPair& local) {
+        return local.pair.is_touching && local.pair.law.restitution >= kElastic;
+      });
   if (!is_any_elastic) return 0;
+  double fastest = 0;
   for (const LocalPair& local : island.pairs) {
     if (!local.pair.is_touching) continue;
-    fastest = std::max(fastest, fastest_closing(local, island, settings));
+    fastest = std::max(fastest, fastest_closing(local, island.bodies, settings));
   }
   return fastest;
 }
@@ -244,10 +232,7 @@ double fastest_elastic_impact(const Island& island, const ContactSettings& setti
 /// True if nothing presses the pair in, compared with `energy` (J): to stiffen it costs nothing.
 bool is_unpressed(const ContactPair& pair, double energy) {
   double stored = 0;
-  for (const ContactPoint& point : pair.points) {
-    const double compression = std::max(0.0, point.depth - point.offset);
-    stored += 0.5 * pair.stiffness * point.weight * compression * compression;
-  }
+  for (const ContactPoint& point : pair.points) stored += normal_energy(pair, point);
   return stored <= kUnpressed * energy;
 }
 
@@ -259,10 +244,10 @@ void adapt(LocalPair& local, Island& island, double drift, double impact,
   const BodyState& a = body_a(island, local);
   const BodyState& b = body_b(island, local);
   const double mass = 1 / inverse_pair_mass(a, b);
-  const double fastest = fastest_closing(local, island, settings);
+  const double fastest = fastest_closing(local, island.bodies, settings);
   double heaviest = 0;
   for (const ContactPoint& point : pair.points) {
-    if (point.depth < -kTouchDown * settings.impact_depth) continue;
+    if (point.depth < -touch_gap(settings)) continue;
     heaviest = std::max(heaviest, point.load / point.weight);
   }
   const bool is_compressing = fastest > 0;
@@ -335,7 +320,7 @@ void evaluate_contact_forces(Island& island, double drift, const ContactSettings
 }
 
 double explicit_step(Island& island, double longest, const ContactSettings& settings) {
-  const double touch_down = kTouchDown * settings.impact_depth;
+  const double touch_down = touch_gap(settings);
   double step = longest;
   bool is_any_touching = false;
   for (LocalPair& local : island.pairs) {
@@ -347,7 +332,7 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
       update_contact(local, island, settings, touch_down);
       // It may come from a step at rest, whose speeds are no scale for what begins now.
       local.pair.approach_speed =
-          std::max(local.pair.approach_speed, fastest_closing(local, island, settings));
+          std::max(local.pair.approach_speed, fastest_closing(local, island.bodies, settings));
     }
     is_any_touching = is_any_touching || local.pair.is_touching;
   }

@@ -6,9 +6,6 @@
 
 namespace verisim::dem {
 
-// Closer than this share of the impact depth counts as touch-down.
-constexpr double kTouchDown = 1e-3;
-
 /// Bound on how fast (m/s) and how much faster still (m/s^2) the bodies of a pair can close in.
 struct Approach {
   double speed, acceleration;

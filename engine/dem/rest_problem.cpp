@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dem/contact_tracking.h"
+#include "dem/rotation.h"
 
 namespace verisim::dem {
 namespace {
@@ -47,12 +48,6 @@ constexpr double kTightResidual = 1e-9, kLooseResidual = 1e-6;
 constexpr int kManyBodies = 300;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-Matrix3d cross_matrix(const Vector3d& r) {
-  Matrix3d m;
-  m << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
-  return m;
-}
 
 /// J^T f for a point at `arm`.
 Vector6 wrench(const Vector3d& arm, const Vector3d& force) {

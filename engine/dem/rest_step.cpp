@@ -45,10 +45,9 @@ SpringEnergy spring_energy(const Island& island, double tangential_ratio) {
   SpringEnergy sum;
   for (const LocalPair& local : island.pairs) {
     for (const ContactPoint& point : local.pair.points) {
-      const double compression = point.depth - point.offset;
-      if (compression <= 0) continue;
+      if (point.depth <= point.offset) continue;
       const double k = local.pair.stiffness * point.weight;
-      sum.normal += 0.5 * k * compression * compression;
+      sum.normal += normal_energy(local.pair, point);
       sum.shear += 0.5 * tangential_ratio * k * point.stretch_b.squaredNorm();
     }
   }

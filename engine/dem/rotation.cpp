@@ -8,6 +8,12 @@
 
 namespace verisim::dem {
 
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
+  Eigen::Matrix3d m;
+  m << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
+  return m;
+}
+
 Eigen::Quaterniond rotation_of(const Eigen::Vector3d& rotation_vector) {
   const double angle = rotation_vector.norm();
   // sin(angle/2)/angle; the series is exact to rounding below 1e-4 rad (next term angle^4/3840).

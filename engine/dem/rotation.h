@@ -6,6 +6,9 @@
 
 namespace verisim::dem {
 
+/// The matrix of r x.
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r);
+
 /// exp of a rotation vector (rad): the quaternion that turns by its length about it.
 Eigen::Quaterniond rotation_of(const Eigen::Vector3d& rotation_vector);
 

@@ -23,11 +23,6 @@ constexpr double kShortestFlight = 1.0 / 16;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-bool has_contact(const Island& island) {
-  return std::any_of(island.pairs.begin(), island.pairs.end(),
-                     [](const LocalPair& local) { return local.pair.is_touching; });
-}
-
 /// Looks at pairs that may have met: impacts are resolved, slower contacts begin.
 void land(Island& island, const ContactSettings& settings) {
   std::vector<FreshPoint> fresh;

@@ -5,25 +5,12 @@
 #include <limits>
 
 #include "dem/contact_tracking.h"
-#include "dem/flight.h"
 
 namespace verisim::dem {
-
-double touch_gap(const ContactSettings& settings) { return kTouchDown * settings.impact_depth; }
 
 double look_gap(const ContactSettings& settings) {
   const double g = settings.gravity.norm(), speed = settings.restitution_threshold;
   return std::max(2 * touch_gap(settings), g > 0 ? 0.5 * speed * speed / g : 0);
-}
-
-double meeting_speed(const LocalPair& local, const std::vector<BodyState>& bodies,
-                     const ContactSettings& settings) {
-  double fastest = -std::numeric_limits<double>::infinity();
-  for (const ContactPoint& point : local.pair.points) {
-    if (point.depth < -touch_gap(settings)) continue;
-    fastest = std::max(fastest, closing_speed(local, bodies, point));
-  }
-  return fastest;
 }
 
 void begin_touching(LocalPair& local, Island& island, double speed) {

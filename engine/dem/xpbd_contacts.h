@@ -6,16 +6,9 @@
 
 namespace verisim::dem {
 
-/// Gap (m) below which two surfaces have met.
-double touch_gap(const ContactSettings& settings);
-
 /// How far apart (m) points of touching pairs are still looked at: as high as a hop at the
 /// threshold of restitution rises.
 double look_gap(const ContactSettings& settings);
-
-/// Fastest approach (m/s) of the points that have met; minus infinity if none has.
-double meeting_speed(const LocalPair& local, const std::vector<BodyState>& bodies,
-                     const ContactSettings& settings);
 
 /// Begins the contact of a pair that has met and is no impact; ends one whose points all part
 /// faster than the threshold of restitution or are farther apart than a hop at that speed rises.

@@ -196,7 +196,7 @@ void resolve_impacts(Island& island, const std::vector<FreshPoint>& fresh,
       if (moment.depth >= first.depth && (moment.depth > first.depth || moment.speed > first.speed))
         first = moment;
     }
-    if (meeting_speed(local, island.bodies, settings) > settings.restitution_threshold) {
+    if (fastest_closing(local, island.bodies, settings) > settings.restitution_threshold) {
       impacts.hit(pair, first);
     }
   }
@@ -206,7 +206,7 @@ void resolve_impacts(Island& island, const std::vector<FreshPoint>& fresh,
     for (int pair = 0; pair < num_pairs; ++pair) {
       const LocalPair& local = island.pairs[at(pair)];
       if (!impacts.has_moved(local)) continue;
-      const double speed = meeting_speed(local, island.bodies, settings);
+      const double speed = fastest_closing(local, island.bodies, settings);
       if (!(speed > settings.restitution_threshold)) continue;
       impacts.hit(pair, {0, speed, 0, 0});
       has_any = true;

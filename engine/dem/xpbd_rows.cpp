@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dem/rotation.h"
+
 namespace verisim::dem {
 namespace {
 
@@ -15,8 +17,7 @@ Vector3d across(const Vector3d& v, const Vector3d& normal) { return v - normal.d
 
 /// Velocity (per N s) that a load at the end of `arm` gives the body there: 1/m - [arm] I^-1 [arm].
 Eigen::Matrix3d mobility(const BodyState& body, const Vector3d& arm) {
-  Eigen::Matrix3d cross;
-  cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
+  const Eigen::Matrix3d cross = cross_matrix(arm);
   return body.inverse_mass * Eigen::Matrix3d::Identity() - cross * body.inverse_inertia * cross;
 }
 

@@ -99,6 +99,6 @@ TEST_CASE("a_touching_cradle_with_chosen_stiffness_parts_as_equal_springs_do") {
     CHECK(watched.momentum_rel < 1e-12);
     // Target 1e-4, not met: contacts that overlap in time end within a step; measured 2.9e-4.
     CHECK(watched.result.metrics.energy_residual_rel < 1e-3);
-    CHECK(watched.rise_rel < 1e-3);
+    CHECK(watched.rise_rel < 4e-4);
   }
 }

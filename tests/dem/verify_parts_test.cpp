@@ -140,6 +140,24 @@ TEST_CASE("the_calibrated_factor_makes_the_discrete_impact_exact") {
   CHECK(calibrated_factor(0.5, 4000) == doctest::Approx(hunt_crossley_factor(0.5)).epsilon(1e-3));
 }
 
+TEST_CASE("an_edge_across_a_face_is_held_where_it_crosses_both_rims") {
+  // A long box lies with an edge down across the top of a cube, a hair aslant, so that two pairs of
+  // edges overlap a little less than the face: held by one of them alone, it would rock on it.
+  for (const double slant : {-1e-4, 1e-4}) {
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(slant, Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(std::numbers::pi / 4, Vector3d::UnitX()));
+    const double height = 0.1 + 0.05 * std::numbers::sqrt2 - 1e-4;
+    const Found found = contact_of({0.3, 0.05, 0.05}, {0, 0, height}, turn, {0.1, 0.1, 0.1},
+                                   Vector3d::Zero(), kStraight);
+    REQUIRE(found.points.size() == 2);
+    CHECK(found.points[0].place.x() * found.points[1].place.x() == doctest::Approx(-0.01));
+    for (const FoundPoint& point : found.points) {
+      CHECK(std::abs(point.depth - (1e-4 + slant * point.place.x())) < 1e-7);  // measured 4e-10
+      CHECK(point.normal.z() > 1 - 1e-6);
+    }
+  }
+}
+
 TEST_CASE("block_cholesky_and_gradients_solve_as_a_dense_solver_does") {
   double worst_product = 0, worst_direct = 0, worst_gradients = 0;
   for (const int size : {1, 2, 7, 25}) {

@@ -98,9 +98,9 @@ def test_an_impact_on_what_rests_ends_at_rest(tmp_path: Path, scene: str, allowe
     print(f"\n{allowed:g} m allowed: {impact}")
     assert outcome.code is None
     assert impact.rest_s < 4
-    assert impact.rise_rel < 5e-9  # target 1e-9, not met by one: 3.2e-9 (others 4e-14 at most)
+    assert impact.rise_rel < 5e-9  # target 1e-9, not met by one: 3.2e-9 (others 2e-13 at most)
     assert impact.gained_rel < 0
     assert outcome.residual < RESIDUALS.get((scene, allowed), 1e-3)
     assert outcome.metrics["momentum_residual_rel"] < 1e-10  # measured 3e-16 at most
-    # Target 1e-10, not met: measured 2.6e-5 (the tipping box).
-    assert outcome.metrics["angular_momentum_residual_rel"] < 4e-5
+    # Target 1e-10, not met: measured 1.7e-5 (the tipping box).
+    assert outcome.metrics["angular_momentum_residual_rel"] < 2.5e-5
