@@ -20,7 +20,7 @@ constexpr double kPlastic = 0.05;
 // Explicit steps between two looks at whether an island has come to rest.
 constexpr int kStepsBetweenLooks = 16;
 // Gap error of one implicit step, in depths of rest, that turning bodies may make.
-constexpr double kBend = 0.25;
+constexpr double kBend = 0.25, kBendInCrowd = 2;
 // An implicit step is not cut below this share of the frame: explicit ones take its place there.
 constexpr double kShortestRestStep = 1.0 / 256;
 constexpr double kOnTime = 1e-12;  // of a frame
@@ -83,19 +83,21 @@ double straight_step(const Island& island, const ContactSettings& settings) {
   double longest = std::numeric_limits<double>::infinity();
   for (const LocalPair& local : island.pairs) {
     if (!local.pair.is_touching) continue;
+    const double error = is_crowd(island) ? room(deepest(local.pair), kBendInCrowd, settings)
+                                          : kBend * settings.rest_depth;
     const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
     const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
     for (const BodyState* body : {&a, &b}) {
       if (!body->is_free() || std::holds_alternative<SphereShape>(*body->shape)) continue;
       const double bend = body->spin.squaredNorm() * body->reach;  // m/s^2
-      if (bend > 0) longest = std::min(longest, std::sqrt(2 * kBend * settings.rest_depth / bend));
+      if (bend > 0) longest = std::min(longest, std::sqrt(2 * error / bend));
     }
     const auto* ball_a = std::get_if<SphereShape>(a.shape);
     if (ball_a == nullptr || std::holds_alternative<PlaneShape>(*b.shape)) continue;
     const auto* ball_b = std::get_if<SphereShape>(b.shape);
     const double radius = ball_a->radius + (ball_b != nullptr ? ball_b->radius : 0);
     const double bend = (a.velocity - b.velocity).squaredNorm() / radius;
-    if (bend > 0) longest = std::min(longest, std::sqrt(2 * kBend * settings.rest_depth / bend));
+    if (bend > 0) longest = std::min(longest, std::sqrt(2 * error / bend));
   }
   return longest;
 }

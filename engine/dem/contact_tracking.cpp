@@ -19,6 +19,8 @@ constexpr double kTouchDown = 1e-3;
 constexpr double kSamePlace = 0.01;
 // An approach faster than this many times the fall through the depth of rest is an impact.
 constexpr double kImpact = 3;
+// Depths of rest from which a pair has the least room left, and how much that is of the most.
+constexpr double kDeep = 10, kLeastRoom = 0.1;
 
 ContactPoint point_from(const FoundPoint& found) {
   ContactPoint point;
@@ -218,6 +220,17 @@ Vector3d turned_into_plane(Vector3d stretch, const Vector3d& normal) {
 
 double inverse_pair_mass(const BodyState& a, const BodyState& b) {
   return a.inverse_mass + b.inverse_mass;
+}
+
+double deepest(const ContactPair& pair) {
+  double depth = 0;
+  for (const ContactPoint& point : pair.points) depth = std::max(depth, point.depth);
+  return depth;
+}
+
+double room(double depth, double share, const ContactSettings& settings) {
+  const double left = 1 - depth / (kDeep * settings.rest_depth);
+  return share * settings.rest_depth * std::max(kLeastRoom, left);
 }
 
 double least_approach_speed(const ContactSettings& settings) {

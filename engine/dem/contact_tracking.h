@@ -51,6 +51,13 @@ double inverse_pair_mass(const BodyState& a, const BodyState& b);
 /// that this takes out of the normal springs.
 double stiffen(ContactPair& pair, double stiffness);
 
+/// Greatest depth (m) of a pair's points; 0 if they are apart.
+double deepest(const ContactPair& pair);
+
+/// What an implicit step may err in the depth (m) of a pair that lies `depth` deep: `share` depths
+/// of rest, less where little is left of the allowed penetration.
+double room(double depth, double share, const ContactSettings& settings);
+
 /// Slowest approach speed (m/s) that damping is scaled with: the speed of free fall through the
 /// depth of rest.
 double least_approach_speed(const ContactSettings& settings);

@@ -88,6 +88,9 @@ struct Island {
   bool has_forces = false;  // BodyState::force and the like are those of the present state
 };
 
+/// So many bodies that what each does within a step shows less than that they do not overlap.
+inline bool is_crowd(const Island& island) { return island.num_free >= 6; }
+
 /// Advances to `end` (s). Impacts by explicit steps that begin at touch-down, rest by implicit
 /// ones, free flight exactly.
 void advance_island(Island& island, double end, const ContactSettings& settings);

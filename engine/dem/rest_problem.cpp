@@ -21,7 +21,7 @@ constexpr double kNormalSteps = 3;
 // A sliding contact has no stiffness along its slip. At first the matrix gives it half of what it
 // would have stuck, which finds who slides where in few steps; then the true matrix converges.
 constexpr double kSlidingShare = 0.5;
-constexpr int kCautiousSteps = 5;
+constexpr int kCautiousSteps = 3, kCautiousStepsAgain = 1;
 constexpr int kMostNewtonSteps = 40;
 // Newton steps without halving the residual after which it counts as solved, if it is this small.
 constexpr int kStalled = 4;
@@ -33,15 +33,14 @@ struct Accuracy {
   double gain, bound_change;
   int most_passes;
 };
-constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{1e-4, 1e-2, 4};
+constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{1e-3, 3e-2, 3};
 // Enough to see which springs are overloaded.
-constexpr Accuracy kRough{1e-2, 1e-2, 4};
+constexpr Accuracy kRough{5e-2, 5e-2, 2};
 // Residual at the start of a step, as a share of the weights, from where an island counts as
 // moving.
 constexpr double kCalm = 0.1;
 // A friction this close to its bound is at it: rounding may leave it just below.
 constexpr double kAtBound = 1e-9;
-constexpr int kPile = 20;  // free bodies from where it is done so
 // Block products of a factorisation, per edge, above which gradients are cheaper.
 constexpr double kMostFill = 60;
 constexpr double kTightResidual = 1e-9, kLooseResidual = 1e-6;
@@ -328,16 +327,17 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
     evaluate(v_, gradient);
     double residual = scaled_residual(gradient);
     const double start = residual;
-    if (is_first_) is_moving_ = start > kCalm && island_->num_free >= kPile;
+    if (is_first_) is_moving_ = start > kCalm && is_crowd(*island_);
     is_first_ = false;
     if (!is_rough && is_moving_) accuracy = kMoving;
     const double enough = std::max(tolerance, accuracy.gain * start);
+    const int cautious = pass == 0 ? kCautiousSteps : kCautiousStepsAgain;
     outcome.converged = residual <= (pass == 0 ? tolerance : enough);
     double best = residual;
     best_ = v_;
     int stalled = 0;
     for (int i = 0; i < kMostNewtonSteps && !outcome.converged; ++i) {
-      assemble(v_, i < kCautiousSteps ? kSlidingShare : 1);
+      assemble(v_, i < cautious ? kSlidingShare : 1);
       for (Vector6& g : gradient) g = -g;
       solve_linear(gradient, direction, 1e-2);
       const double t = line_search(v_, direction);

@@ -33,6 +33,9 @@ constexpr double kSurprise = 5;
 constexpr double kTurnedTowards = 1e-5;
 // Offsets from the projected path smaller than this share of the depth of rest are left out.
 constexpr double kUnseenShift = 1e-4;
+// Depths of rest by which an offset may shrink in a step, and the share of what the step dissipated
+// that may pay for it.
+constexpr double kRecovery = 0.25, kRecoveryShare = 0.5;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -257,6 +260,43 @@ double move(RestProblem& problem, Island& island, double h, const ContactSetting
   return aimed_at;
 }
 
+/// What surfaces turned towards each other within the step presses no spring in: the
+/// offset takes it, and no energy comes of it.
+void leave_to_offset(ContactPoint& point) {
+  const double aimed_at = std::max(0.0, point.expected - point.offset);
+  point.offset = std::max(point.offset, point.depth - aimed_at);
+}
+
+/// Lets springs come out of their offsets, as far as `spent` (J) pays for what that puts into them.
+/// Returns what it took (J).
+double recover_offsets(Island& island, double spent, const ContactSettings& settings) {
+  const auto most = [&](const ContactPoint& point) {
+    return std::min(point.offset, kRecovery * settings.rest_depth);
+  };
+  const auto cost = [&](const ContactPair& pair, const ContactPoint& point, double way) {
+    const double compression = std::max(0.0, point.depth - point.offset);
+    return pair.stiffness * point.weight * way * (compression + 0.5 * way);
+  };
+  double whole = 0;
+  for (const LocalPair& local : island.pairs) {
+    for (const ContactPoint& point : local.pair.points) {
+      if (point.is_touching) whole += cost(local.pair, point, most(point));
+    }
+  }
+  if (!(whole > 0) || !(spent > 0)) return 0;
+  const double share = std::min(1.0, spent / whole);
+  double taken = 0;
+  for (LocalPair& local : island.pairs) {
+    for (ContactPoint& point : local.pair.points) {
+      if (!point.is_touching) continue;
+      const double way = share * most(point);
+      taken += cost(local.pair, point, way);
+      point.offset -= way;
+    }
+  }
+  return taken;
+}
+
 /// Stretches turn with body b; contacts begin and end. Returns how much deeper (m) a pair lies than
 /// it was and than the step aimed at: surfaces met where none was seen.
 double keep_contacts(RestProblem& problem, Island& island, const ContactSettings& settings,
@@ -289,6 +329,7 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
     double deepest = -1;
     double heaviest = 0;
     for (ContactPoint& point : pair.points) {
+      leave_to_offset(point);
       deepest = std::max(deepest, point.depth);
       heaviest = std::max(heaviest, point.load / point.weight);
       if (point.depth <= point.offset) {
@@ -306,7 +347,7 @@ double keep_contacts(RestProblem& problem, Island& island, const ContactSettings
       island.books.max_overlap = std::max(island.books.max_overlap, point.depth);
     }
     pair.mean_load = heaviest;
-    surprise = std::max(surprise, deepest - aim);
+    surprise = std::max(surprise, (deepest - aim) / room(aim, kSurprise, settings));
     if (pair.is_touching && deepest <= 0 && !is_loaded) {
       pair.is_touching = false;
       record_event(island, local, ContactChange::kEnd, 0);
@@ -346,6 +387,7 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
       kinetic_and_potential(island, settings.gravity) + springs_start.total();
   const double outside_start = island.books.outside_work;
   const double damping_start = island.books.damping_work;
+  const double friction_start = island.books.friction_work;
 
   thread_local RestProblem problem;  // knows the pattern of its matrix again
   problem.set_up(island, duration, settings);
@@ -363,13 +405,18 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
   count_step(island.books, duration);
   ++island.books.num_rest_steps;
 
-  const SpringEnergy springs_end = spring_energy(island, settings.tangential_ratio);
-  island.books.elastic_energy = springs_end.total();
-  island.books.shear_energy = springs_end.shear;
+  SpringEnergy springs_end = spring_energy(island, settings.tangential_ratio);
   island.books.friction_work += shear_start - springs_end.shear;
   // Where surfaces turned away from each other within the step, springs hold less than it aimed at.
   const double turned_away = aimed_at - springs_end.normal - (island.books.damping_work - given_up);
   island.books.damping_work += std::max(0.0, turned_away);
+  const double spent = kRecoveryShare * (island.books.damping_work - damping_start +
+                                         island.books.friction_work - friction_start);
+  const double recovered = recover_offsets(island, spent, settings);
+  island.books.damping_work -= recovered;
+  springs_end.normal += recovered;
+  island.books.elastic_energy = springs_end.total();
+  island.books.shear_energy = springs_end.shear;
   island.books.implicit_work += island.books.damping_work - damping_start;
   island.has_forces = false;
   const double energy_end =
@@ -381,7 +428,7 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
   }
   const bool is_good = outcome.converged && rise <= kUnseenRise * unseen &&
                        -turned_away <= kUnseenRise * unseen + kTurnedTowards * kinetic_start &&
-                       surprise <= kSurprise * settings.rest_depth;
+                       surprise <= 1;
   if (!is_good) {
     island.bodies = before.bodies;
     island.pairs = before.pairs;
