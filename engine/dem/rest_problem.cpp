@@ -33,7 +33,7 @@ struct Accuracy {
   double gain, bound_change;
   int most_passes;
 };
-constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{1e-3, 3e-2, 3};
+constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{1e-4, 3e-2, 3};
 // Enough to see which springs are overloaded.
 constexpr Accuracy kRough{5e-2, 5e-2, 2};
 // Residual at the start of a step, as a share of the weights, from where an island counts as
@@ -327,12 +327,16 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
     evaluate(v_, gradient);
     double residual = scaled_residual(gradient);
     const double start = residual;
-    if (is_first_) is_moving_ = start > kCalm && is_crowd(*island_);
+    if (is_first_) {
+      is_moving_ = start > kCalm && is_crowd(*island_);
+      first_residual_ = start;
+    }
     is_first_ = false;
     if (!is_rough && is_moving_) accuracy = kMoving;
-    const double enough = std::max(tolerance, accuracy.gain * start);
+    const double enough =
+        std::max(tolerance, accuracy.gain * (is_moving_ ? first_residual_ : start));
     const int cautious = pass == 0 ? kCautiousSteps : kCautiousStepsAgain;
-    outcome.converged = residual <= (pass == 0 ? tolerance : enough);
+    outcome.converged = residual <= (pass == 0 && !is_moving_ ? tolerance : enough);
     double best = residual;
     best_ = v_;
     int stalled = 0;

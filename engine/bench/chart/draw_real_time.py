@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,24 +36,33 @@ def draw_real_time(crowds: Sequence[Crowd], folder: Path) -> str:
                 color=style.WARNING, ha="right", va="bottom", xytext=(-2, 1),
                 textcoords="offset points",
             )  # fmt: skip
-        for method in methods:
-            own = [crowd for crowd in crowds if crowd.method == method and crowd.frame_s < 1e9]
+        for method, shape in dict.fromkeys((crowd.method, crowd.shape) for crowd in crowds):
+            own = [
+                crowd for crowd in crowds
+                if (crowd.method, crowd.shape) == (method, shape) and crowd.frame_s < math.inf
+            ]  # fmt: skip
             look = symbols[method]
+            if shape == "stones":
+                look = replace(look, fill="none")
             axes.plot(
                 [crowd.bodies for crowd in own], [crowd.frame_s for crowd in own],
-                color=look.color, lw=1.4, ms=6, label=f"{method}: simulated", **look.symbol(),
+                color=look.color, lw=1.4, ms=6, ls="-" if shape == "boxes" else (0, (3, 2)),
+                label=f"{method.replace('-', ', ', 1)}: {shape}", **look.symbol(),
             )  # fmt: skip
-        drawn = {crowd.bodies: crowd.draw_s for crowd in crowds if crowd.draw_s is not None}
+        drawn = {
+            crowd.bodies: crowd.draw_s for crowd in crowds
+            if crowd.draw_s is not None and crowd.shape == "boxes"
+        }  # fmt: skip
         if drawn:
             axes.plot(
                 sorted(drawn), [drawn[count] for count in sorted(drawn)], color=style.MUTED,
-                lw=1.2, ls=(0, (2, 2)), marker=".", label="drawn, any method",
+                lw=1.2, ls=(0, (2, 2)), marker=".", label="boxes drawn",
             )  # fmt: skip
-        axes.set_xlabel("boxes")
+        axes.set_xlabel("bodies")
         axes.set_ylabel("seconds a frame (95 of 100 frames)")
         axes.tick_params(length=2)
         figure.legend(loc="lower left", bbox_to_anchor=(0.1, 0.01), ncols=4, fontsize=8)
-        svg = style.to_svg(figure, "real_time", "Seconds a frame against number of boxes", {})
+        svg = style.to_svg(figure, "real_time", "Seconds a frame against number of bodies", {})
         part = folder / ".real_time.part.png"
         figure.savefig(part, dpi=PNG_DPI, metadata={"Software": None})
         part.replace(folder / "real_time.png")

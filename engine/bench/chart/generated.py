@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import csv
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ from verisim.bench.chart.trial import Scene
 Body = dict[str, Any]
 EDGE_M = 0.5  # of the cubes of piles; 125 kg
 STONE = "stone.obj"
+SCENES = Path(__file__).parent.parent / "scenes"
 
 
 def _scene(
@@ -90,6 +93,29 @@ def dice(count: int) -> Scene:
     return _scene(f"dice_{count}", bodies, 2, wood)
 
 
+def collision_cloud(row: int = 3) -> Scene:
+    """Cubes of 0.2 m thrown at their common centre, turning; no gravity, no ground."""
+    rng = np.random.default_rng(23)
+    bodies = []
+    for i in range(row**3):
+        place = 0.6 * (np.array([i % row, i // row % row, i // row**2]) - (row - 1) / 2)
+        velocity = -1.5 * place + rng.uniform(-0.5, 0.5, 3)
+        bodies.append(
+            _box(
+                f"box-{i}",
+                [0.2] * 3,
+                list(place),
+                orientation_wxyz=_turn(rng),
+                velocity_m_s=[float(x) for x in velocity],
+                angular_velocity_rad_s=[float(x) for x in rng.uniform(-3, 3, 3)],
+            )
+        )
+    wood = {"density_kg_m3": 600, "restitution": 0.5, "friction": 0.4}
+    scene = _scene("collision_cloud", bodies, 2, wood, gravity_m_s2=[0, 0, 0])
+    del scene["ground"]
+    return scene
+
+
 def stacked_pile(columns: int, layers: int, duration_s: float) -> Scene:
     """Cubes fall from a nearly aligned grid: gaps of 10 mm, 2 mm aside at random."""
     rng = np.random.default_rng(3)
@@ -120,6 +146,27 @@ def tumbled_pile(count: int, duration_s: float, seed: int = 7) -> Scene:
     return _scene(f"tumbled_{count}", [*bodies, *_pit(side, 60)], duration_s, wood)
 
 
+def tumbled_rest(count: int, duration_s: float) -> Scene:
+    """The same cubes where they have come to lie (settle.py); speeds are 0."""
+    scene = tumbled_pile(count, duration_s)
+    with rest_table(scene["name"]).open(encoding="utf-8", newline="") as stream:
+        poses = {
+            row.pop("body"): [float(x) for x in row.values()] for row in csv.DictReader(stream)
+        }
+    for body in scene["bodies"]:
+        if body["name"] in poses:
+            pose = poses[body["name"]]
+            turn = np.array(pose[3:])
+            body["position_m"] = pose[:3]
+            body["orientation_wxyz"] = [float(x) for x in turn / np.linalg.norm(turn)]
+    scene["name"] += "_rest"
+    return scene
+
+
+def rest_table(pile: str) -> Path:
+    return SCENES / f"{pile}_rest.csv"
+
+
 def stones(count: int, duration_s: float) -> Scene:
     """Convex stones of some 0.3 m in random orientations fall into a pit."""
     rng = np.random.default_rng(11)
@@ -137,6 +184,25 @@ def stones(count: int, duration_s: float) -> Scene:
     ]
     rock = {"density_kg_m3": 2500, "restitution": 0, "friction": 0.5}
     return _scene(f"stones_{count}", [*bodies, *_pit(side, 20)], duration_s, rock)
+
+
+def loose_stones(columns: int, layers: int, duration_s: float) -> Scene:
+    """The same stones fall from a loose grid and spread on the ground; no walls."""
+    rng = np.random.default_rng(13)
+    bodies = [
+        {
+            "name": f"stone-{x}-{y}-{z}",
+            "shape": {"mesh": STONE, "scale": 0.15},
+            "material": "wood",
+            "position_m": [0.36 * x, 0.36 * y, 0.2 + 0.36 * z],
+            "orientation_wxyz": _turn(rng),
+        }
+        for x in range(columns)
+        for y in range(columns)
+        for z in range(layers)
+    ]
+    rock = {"density_kg_m3": 2500, "restitution": 0, "friction": 0.5}
+    return _scene(f"loose_stones_{len(bodies)}", bodies, duration_s, rock)
 
 
 def stone_mesh() -> str:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +13,12 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from verisim.bench.chart.against_seed import Comparison
+from verisim.bench.chart.catalogue import all_scenes
 from verisim.bench.chart.draw import Drawing
 from verisim.bench.chart.front import Point, cheapest_within, front, ties
+from verisim.bench.chart.growth import Growth, exponent_words, sizes
+from verisim.bench.chart.targets import Target
 from verisim.bench.files import write_whole
 
 if TYPE_CHECKING:
@@ -23,16 +28,28 @@ if TYPE_CHECKING:
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 
 
+@dataclass(frozen=True)
+class Overview:
+    """What the page says of several scenes together; of all tables in the folder."""
+
+    targets: list[Target]
+    against_seed: list[Comparison]
+    growths: list[Growth]
+    growth_svg: str  # empty: nobody was run on two piles
+
+
 def write_page(
     file: Path,
     charts: Sequence[Charted],
     drawings: Mapping[tuple[str, str], Drawing],
+    overview: Overview,
     facts: dict[str, Any],
 ) -> None:
     """Everything that was found, as one file that appears when it is complete."""
     environment = _environment()
     environment.filters["cost"] = cost_words
     environment.filters["error"] = lambda value: f"{value:.2g}"
+    environment.filters["exponent"] = exponent_words
     sections = [_section(chart, drawings) for chart in charts]
     methods = list(
         dict.fromkeys(
@@ -40,7 +57,15 @@ def write_page(
         )
     )
     text = environment.get_template("chart.html.j2").render(
-        sections=sections, facts=facts, levels=LEVELS, methods=methods
+        sections=sections,
+        facts=facts,
+        levels=LEVELS,
+        methods=methods,
+        overview=overview,
+        growth_svg=Markup(overview.growth_svg),  # ours, words escaped
+        sizes=sizes(overview.growths),
+        verdicts=Counter(target.verdict for target in overview.targets),
+        title_of={scene.key: scene.title for scene in all_scenes()},
     )
     write_whole(file, text)
 
@@ -54,12 +79,16 @@ def write_real_time_page(
 ) -> None:
     """The figure, the answers and every pile, as one file."""
     environment = _environment()
-    environment.filters["ms"] = lambda s: "–" if s is None else f"{1e3 * s:.3g}"
+    environment.filters["ms"] = milliseconds
     environment.filters["bodies"] = body_words
     text = environment.get_template("real_time.html.j2").render(
         svg=Markup(svg), crowds=crowds, answers=answers, facts=facts
     )
     write_whole(file, text)
+
+
+def milliseconds(seconds: float | None) -> str:
+    return "–" if seconds is None or math.isinf(seconds) else f"{1e3 * seconds:.3g}"
 
 
 def body_words(count: float | None) -> str:

@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from verisim import engine
-from verisim.bench.chart.generated import EDGE_M, stacked_pile
+from verisim.bench.chart.generated import EDGE_M, STONE, loose_stones, stacked_pile, stone_mesh
 from verisim.bench.chart.ladder import Ladder
 from verisim.bench.files import only_bench, table_text, write_whole
 from verisim.stimuli.cost import machine
@@ -24,12 +25,16 @@ from verisim.stimuli.engine_build import engine_build
 RATES_HZ = (60.0, 30.0)
 LAYERS = 4
 SIDES = (1, 2, 3, 4, 5, 7, 10, 14, 20, 28, 40)  # columns along each side: 4 to 6400 bodies
-DURATION_S, QUICK_DURATION_S = 2.0, 1.0
+DURATIONS_S = {"boxes": 2.0, "stones": 4.0}  # long enough to come to rest
+QUICK_SHARE = 0.5  # of them
+MESH_METHODS = ("dem", "xpbd")  # that stones are run with: particles are counted with the boxes
 SLOW_FRAME_S = 0.2  # beyond it no larger pile is tried
-LIMIT_S = 30.0  # CPU time of a run
+ALWAYS_UP_TO = {"boxes": 0, "stones": 100}  # bodies that are tried however slow; 100 are the target
+LIMIT_S = 60.0  # CPU time of a run
 FEW, MORE = 3, 13  # frames drawn in two clips, whose difference is the drawing alone
 SIZE = (1280, 720)
 
+Array = npt.NDArray[np.float64]
 Say = Callable[[str], None]
 Progress = Callable[[float, float], None]
 
@@ -39,9 +44,11 @@ class Crowd:
     """A pile that was run."""
 
     method: str
+    shape: str  # boxes | stones
     bodies: int
     points: int  # particles of seed, surface samples and corners of dem
     frame_s: float  # CPU time that 95 of 100 frames stay within
+    rest_frame_s: float  # the same of the last quarter of the run
     median_frame_s: float
     draw_s: float | None  # wall time of drawing and encoding a frame; None: no OpenGL here
     failed: str
@@ -50,8 +57,10 @@ class Crowd:
 @dataclass(frozen=True)
 class Answer:
     method: str
+    shape: str
     rate_hz: float
     simulated: float  # bodies, between the piles that were run; infinite: no pile was too large
+    at_rest: float  # the same when they lie
     drawn_too: float | None  # simulated and drawn one after the other
 
 
@@ -75,26 +84,32 @@ def run_real_time(
     progress: Progress | None = None,
     say: Say | None = None,
 ) -> RealTime:
-    """Runs piles of boxes of growing number with each method at its own choices and writes
-    real_time.csv, a figure and a page. Raises BenchError if another bench writes there."""
+    """Runs piles of growing number, of boxes and of meshes, with each method at its own choices and
+    writes real_time.csv, a figure and a page. Raises BenchError if another bench writes there."""
     directory = Path(directory)
+    races = [(ladder, "boxes") for ladder in ladders]
+    races += [(ladder, "stones") for ladder in ladders if ladder.key in MESH_METHODS]
+    share = QUICK_SHARE if quick else 1.0
     with only_bench(directory), tempfile.TemporaryDirectory() as scratch:
+        (Path(scratch) / STONE).write_text(stone_mesh(), "utf-8")
         crowds: list[Crowd] = []
-        for number, ladder in enumerate(ladders):
+        for number, (ladder, shape) in enumerate(races):
             if say:
-                say(f"real time: {ladder.label}")
+                say(f"real time: {ladder.label}, {shape}")
             for n, side in enumerate(SIDES):
-                crowd = _run(ladder, side, Path(scratch), QUICK_DURATION_S if quick else DURATION_S)
+                crowd = _run(ladder, shape, side, Path(scratch), share * DURATIONS_S[shape])
                 crowds.append(crowd)
                 if progress:
-                    progress(number + (n + 1) / len(SIDES), len(ladders))
-                if crowd.failed or crowd.frame_s > SLOW_FRAME_S:
+                    progress(number + (n + 1) / len(SIDES), len(races))
+                if crowd.failed or (
+                    crowd.frame_s > SLOW_FRAME_S and crowd.bodies >= ALWAYS_UP_TO[shape]
+                ):
                     break
         answers = [
             answer
-            for ladder in ladders
+            for ladder, shape in races
             for rate in RATES_HZ
-            if (answer := _answer(ladder.key, rate, crowds))
+            if (answer := _answer(ladder.key, shape, rate, crowds))
         ]
         columns = [field.name for field in fields(Crowd)]
         write_whole(directory / "real_time.csv", table_text(columns, map(asdict, crowds)))
@@ -102,8 +117,9 @@ def run_real_time(
     return RealTime(directory, page, crowds, answers)
 
 
-def _run(ladder: Ladder, side: int, folder: Path, duration_s: float) -> Crowd:
-    scene = stacked_pile(side, LAYERS, duration_s)
+def _run(ladder: Ladder, shape: str, side: int, folder: Path, duration_s: float) -> Crowd:
+    make = stacked_pile if shape == "boxes" else loose_stones
+    scene = make(side, LAYERS, duration_s)
     file = folder / f"{scene['name']}.yaml"
     file.write_text(json.dumps(scene), "utf-8")
     overrides: dict[str, Any] = {f"physics.{key}": value for key, value in ladder.base.items()}
@@ -129,8 +145,17 @@ def _run(ladder: Ladder, side: int, folder: Path, duration_s: float) -> Crowd:
         points = int(metrics.get("num_samples") or metrics.get("num_particles") or 0)
         draw_s = _draw(file, run, folder)
     frames = np.diff(marks)[1:]  # the first builds the world
-    slow, middle = np.percentile(frames, [95, 50]) if frames.size else (math.inf, math.inf)
-    return Crowd(ladder.key, count, points, float(slow), float(middle), draw_s, failed)
+    slow, middle = _percentiles(frames)
+    late, _ = _percentiles(np.empty(0) if failed else frames[-max(1, frames.size // 4) :])
+    return Crowd(ladder.key, shape, count, points, slow, late, middle, draw_s, failed)
+
+
+def _percentiles(frames: Array) -> tuple[float, float]:
+    """What 95 of 100 stay within, and the median; infinite of none."""
+    if frames.size == 0:
+        return math.inf, math.inf
+    slow, middle = np.percentile(frames, [95, 50])
+    return float(slow), float(middle)
 
 
 def _draw(file: Path, run: engine.Run, folder: Path) -> float | None:
@@ -157,8 +182,8 @@ def _arrays(poses: engine.PoseLog) -> list[Any]:
     ]
 
 
-def _answer(method: str, rate_hz: float, crowds: Sequence[Crowd]) -> Answer | None:
-    own = [crowd for crowd in crowds if crowd.method == method]
+def _answer(method: str, shape: str, rate_hz: float, crowds: Sequence[Crowd]) -> Answer | None:
+    own = [crowd for crowd in crowds if (crowd.method, crowd.shape) == (method, shape)]
     held = [crowd for crowd in own if not crowd.failed or crowd.failed.startswith("not done")]
     if not held:
         return None
@@ -171,7 +196,9 @@ def _answer(method: str, rate_hz: float, crowds: Sequence[Crowd]) -> Answer | No
             [crowd.frame_s + (crowd.draw_s or 0.0) for crowd in drawn],
             1 / rate_hz,
         )
-    return Answer(method, rate_hz, crossing(bodies, [c.frame_s for c in held], 1 / rate_hz), both)
+    moving = crossing(bodies, [crowd.frame_s for crowd in held], 1 / rate_hz)
+    lying = crossing(bodies, [crowd.rest_frame_s for crowd in held], 1 / rate_hz)
+    return Answer(method, shape, rate_hz, moving, lying, both)
 
 
 def crossing(bodies: Sequence[float], seconds: Sequence[float], limit: float) -> float:

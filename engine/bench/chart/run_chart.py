@@ -11,13 +11,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from verisim.bench.chart.against_seed import comparisons
 from verisim.bench.chart.bench_scene import BenchScene
-from verisim.bench.chart.catalogue import choose_scenes
+from verisim.bench.chart.catalogue import all_scenes, choose_scenes
 from verisim.bench.chart.contestants import Entry, choose_peers, own_entries, peer_entries
 from verisim.bench.chart.front import Point
+from verisim.bench.chart.growth import growths
 from verisim.bench.chart.ladder import LADDERS, Ladder
 from verisim.bench.chart.run_trial import HOPELESS, Task, run_trial
 from verisim.bench.chart.tables import RunTable, inputs_hash, own_value, peers_hash, point_of
+from verisim.bench.chart.targets import targets
+from verisim.bench.chart.written_points import written_points
 from verisim.bench.files import only_bench, write_whole
 from verisim.bench.problems import BenchError
 from verisim.stimuli.cost import machine
@@ -285,7 +289,8 @@ def _show(directory: Path, charts: Sequence[Charted], quick: bool, session: Sess
     """Figures, the page and the log."""
     # Slow to import, and the workers need none of it.
     from verisim.bench.chart.draw import draw_chart
-    from verisim.bench.chart.page import write_page
+    from verisim.bench.chart.draw_growth import draw_growth
+    from verisim.bench.chart.page import Overview, write_page
 
     figures = directory / "figures"
     figures.mkdir(exist_ok=True)
@@ -307,6 +312,14 @@ def _show(directory: Path, charts: Sequence[Charted], quick: bool, session: Sess
         "runs": session.num_run + session.num_kept,
     }
     write_whole(directory / "run_log.json", json.dumps(facts, indent=2) + "\n")
+    points = written_points(directory, all_scenes())
+    lines = growths(points)
+    overview = Overview(
+        targets(points),
+        comparisons(points),
+        lines,
+        draw_growth(lines, figures).svg if lines else "",
+    )
     page = directory / "index.html"
-    write_page(page, charts, drawings, facts)
+    write_page(page, charts, drawings, overview, facts)
     return page

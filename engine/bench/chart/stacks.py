@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from verisim.bench.chart import generated, resting
+from verisim.bench.chart import closed_system, generated, resting
 from verisim.bench.chart.bench_scene import BenchScene
 from verisim.bench.chart.trial import Measure
 
@@ -83,6 +83,20 @@ def _pile(columns: int, layers: int, settles_s: float = 6, measured_s: float = 2
     )
 
 
+def _tumbled_at_rest(count: int, settles_s: float = 4, measured_s: float = 2) -> BenchScene:
+    return BenchScene(
+        f"tumbled_{count}_rest",
+        f"A tumbled pile of {count} boxes at rest",
+        "Cubes of 0.5 m that fell into a pit in random orientations lie just apart, from the same "
+        f"poses for all; costs are those after {settles_s:g} s. Nobody sleeps.",
+        (MEAN, _deepest(0.5), SPEED),
+        partial(generated.tumbled_rest, count, settles_s + measured_s),
+        warm_up_s=settles_s,
+        is_dear=True,
+        not_posed={"dem-explicit": "minutes a run", "seed": "minutes a run"},
+    )
+
+
 def stack_scenes() -> list[BenchScene]:
     return [
         *(_tower(count) for count in (5, 10, 20)),
@@ -130,9 +144,46 @@ def stack_scenes() -> list[BenchScene]:
             ),
             partial(generated.dice, 64),
         ),
+        BenchScene(
+            "collision_cloud",
+            "A cloud of boxes that collide",
+            "27 cubes of 0.2 m, turning, are thrown at their common centre; no gravity, no ground, "
+            "restitution 0.5. Their ways are chaotic; their momentum is not.",
+            (
+                Measure(
+                    "angular_momentum_error_rel",
+                    "largest change of angular momentum (relative)",
+                    "conserved",
+                    closed_system.angular_momentum_error_rel,
+                ),
+                Measure(
+                    "momentum_error_rel",
+                    "largest change of momentum (relative)",
+                    "conserved",
+                    closed_system.momentum_error_rel,
+                ),
+                Measure(
+                    "kinetic_gain_rel",
+                    "kinetic energy gained (relative)",
+                    "impacts and friction only take energy out",
+                    closed_system.kinetic_gain_rel,
+                ),
+                Measure(
+                    "kinetic_left_rel",
+                    "relative error of the energy left",
+                    "the contestant's own finest run; other ways lose other shares",
+                    closed_system.kinetic_left_rel,
+                    is_own=True,
+                ),
+                _deepest(0.1),
+            ),
+            generated.collision_cloud,
+        ),
         _pile(5, 10, 1.5, 1.5),
         _pile(10, 10),
         _pile(20, 10),
+        _tumbled_at_rest(250),
+        _tumbled_at_rest(1000),
         BenchScene(
             "tumbled_100",
             "A tumbled pile of 100 boxes",

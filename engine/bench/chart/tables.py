@@ -36,7 +36,14 @@ FACTS = (
     "version",
     "took_s",
 )
-RULES = ("errors.py", "overlap.py", "closed_forms.py", "resting.py", "run_trial.py")
+RULES = (
+    "errors.py",
+    "overlap.py",
+    "closed_forms.py",
+    "resting.py",
+    "closed_system.py",
+    "run_trial.py",
+)
 
 
 class RunTable:
@@ -45,7 +52,7 @@ class RunTable:
 
     def __init__(self, file: Path, scene: BenchScene) -> None:
         self.file = file
-        self.columns = (*FACTS, *(measure.key for measure in scene.measures), "failed")
+        self.columns = columns_of(scene)
         self.rows = whole_rows(file, self.columns)
         write_whole(file, table_text(self.columns, self.rows))
 
@@ -57,6 +64,10 @@ class RunTable:
         full = {column: _text(row.get(column)) for column in self.columns}
         append_row(self.file, self.columns, full)
         self.rows.append(full)
+
+
+def columns_of(scene: BenchScene) -> tuple[str, ...]:
+    return (*FACTS, *(measure.key for measure in scene.measures), "failed")
 
 
 def _text(value: Any) -> str:

@@ -118,8 +118,9 @@ def _real_time(output: Path, quick: bool, methods: list[str] | None, as_json: bo
         return
     for answer in result.answers:
         typer.echo(
-            f"{answer.method:<14} {answer.rate_hz:.0f} fps: {body_words(answer.simulated)} bodies "
-            f"simulated, {body_words(answer.drawn_too)} simulated and drawn"
+            f"{answer.method:<14} {answer.shape:<7} {answer.rate_hz:.0f} fps: "
+            f"{body_words(answer.simulated)} simulated, {body_words(answer.at_rest)} at rest, "
+            f"{body_words(answer.drawn_too)} simulated and drawn"
         )
     typer.echo(str(result.page))
 
