@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <set>
 
+#include "dem/block_kernel.h"
+
 namespace verisim::dem {
 namespace {
 
@@ -37,12 +39,65 @@ std::vector<int> minimum_degree_order(const BlockMatrix& matrix) {
   return place;
 }
 
-}  // namespace
-
-void BlockMatrix::set_zero() {
-  for (Matrix6& block : diagonal) block.setZero();
-  for (Matrix6& block : off) block.setZero();
+VERISIM_INLINE void eliminate_inline(const BlockFactor& factor) {
+  const int* target = factor.targets;
+  for (int j = 0; j < factor.size; ++j) {
+    const BlockFactor::Column& c = factor.columns[j];
+    Matrix6& pivot = factor.diagonal[j];
+    invert_factor(Matrix6(pivot), pivot);
+    for (int s = c.first; s < c.first + c.count; ++s) {
+      if (factor.is_filled[s] != 0) multiply_by_transposed(pivot, factor.blocks[s]);
+    }
+    for (int s = c.first; s < c.first + c.count; ++s) {
+      const int* const updates = target;
+      target += c.first + c.count - s;
+      if (factor.is_filled[s] == 0) continue;
+      subtract_product(factor.blocks[s], factor.blocks[s], factor.diagonal[~updates[0]]);
+      for (int t = s + 1; t < c.first + c.count; ++t) {
+        if (factor.is_filled[t] == 0) continue;
+        subtract_product(factor.blocks[t], factor.blocks[s], factor.blocks[updates[t - s]]);
+        factor.is_filled[updates[t - s]] = 1;
+      }
+    }
+  }
 }
+
+VERISIM_INLINE void substitute_inline(const BlockFactor& factor, Vector6* x) {
+  for (int j = 0; j < factor.size; ++j) {
+    multiply(factor.diagonal[j], x[j]);
+    const BlockFactor::Column& c = factor.columns[j];
+    for (int s = c.first; s < c.first + c.count; ++s) {
+      if (factor.is_filled[s] == 0) continue;
+      subtract_times(factor.blocks[s], x[j], x[factor.rows[s]]);
+    }
+  }
+  for (int j = factor.size - 1; j >= 0; --j) {
+    const BlockFactor::Column& c = factor.columns[j];
+    for (int s = c.first; s < c.first + c.count; ++s) {
+      if (factor.is_filled[s] == 0) continue;
+      subtract_transposed_times(factor.blocks[s], x[factor.rows[s]], x[j]);
+    }
+    multiply_transposed(factor.diagonal[j], x[j]);
+  }
+}
+
+void eliminate_plain(const BlockFactor& factor) { eliminate_inline(factor); }
+void substitute_plain(const BlockFactor& factor, Vector6* x) { substitute_inline(factor, x); }
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) void eliminate_avx2(const BlockFactor& factor) {
+  eliminate_inline(factor);
+}
+__attribute__((target("avx2"))) void substitute_avx2(const BlockFactor& factor, Vector6* x) {
+  substitute_inline(factor, x);
+}
+const bool kHasAvx2 = __builtin_cpu_supports("avx2");
+#else
+constexpr bool kHasAvx2 = false;
+constexpr auto eliminate_avx2 = eliminate_plain;
+constexpr auto substitute_avx2 = substitute_plain;
+#endif
+
+}  // namespace
 
 void BlockMatrix::multiply(const std::vector<Vector6>& x, std::vector<Vector6>& y) const {
   y.resize(x.size());
@@ -78,14 +133,14 @@ void BlockCholesky::analyse(const BlockMatrix& matrix) {
   blocks_.resize(rows_.size());
   diagonal_.resize(at(n));
   const auto block_at = [&](int row, int column) {
-    const Column& c = columns_[at(column)];
+    const BlockFactor::Column& c = columns_[at(column)];
     const auto begin = rows_.begin() + c.first;
     return static_cast<int>(std::lower_bound(begin, begin + c.count, row) - rows_.begin());
   };
   targets_.clear();
   num_block_products_ = n;
   for (int j = 0; j < n; ++j) {
-    const Column& c = columns_[at(j)];
+    const BlockFactor::Column& c = columns_[at(j)];
     num_block_products_ += c.count;
     for (int s = 0; s < c.count; ++s) {
       const int column = rows_[at(c.first + s)];
@@ -105,10 +160,25 @@ void BlockCholesky::analyse(const BlockMatrix& matrix) {
   }
 }
 
+BlockFactor BlockCholesky::view() {
+  BlockFactor factor;
+  factor.size = static_cast<int>(diagonal_.size());
+  factor.columns = columns_.data();
+  factor.rows = rows_.data();
+  factor.targets = targets_.data();
+  factor.blocks = blocks_.data();
+  factor.is_filled = is_filled_.data();
+  factor.diagonal = diagonal_.data();
+  return factor;
+}
+
 void BlockCholesky::factorise(const BlockMatrix& matrix) {
   for (Matrix6& block : blocks_) block.setZero();
   for (int j = 0; j < matrix.size(); ++j) diagonal_[at(j)] = matrix.diagonal[at(body_[at(j)])];
+  is_filled_.assign(blocks_.size(), 0);
   for (std::size_t e = 0; e < matrix.edges.size(); ++e) {
+    if (matrix.off[e].isZero(0)) continue;  // bodies near each other that do not touch
+    is_filled_[at(block_of_edge_[e])] = 1;
     Matrix6& block = blocks_[at(block_of_edge_[e])];
     if (edge_is_transposed_[e]) {
       block = matrix.off[e].transpose();
@@ -116,46 +186,16 @@ void BlockCholesky::factorise(const BlockMatrix& matrix) {
       block = matrix.off[e];
     }
   }
-  std::size_t target = 0;
-  for (int j = 0; j < matrix.size(); ++j) {
-    const Column& c = columns_[at(j)];
-    Matrix6& pivot = diagonal_[at(j)];
-    pivot = Eigen::LLT<Matrix6>(pivot).matrixL();
-    for (int s = 0; s < c.count; ++s) {
-      // L_ij = A_ij L_jj^-T
-      pivot.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(
-          blocks_[at(c.first + s)]);
-    }
-    for (int s = 0; s < c.count; ++s) {
-      const Matrix6& l = blocks_[at(c.first + s)];
-      diagonal_[at(~targets_[target++])].noalias() -= l * l.transpose();
-      for (int t = s + 1; t < c.count; ++t) {
-        blocks_[at(targets_[target++])].noalias() -= blocks_[at(c.first + t)] * l.transpose();
-      }
-    }
-  }
+  (kHasAvx2 ? eliminate_avx2 : eliminate_plain)(view());
 }
 
-void BlockCholesky::solve(const std::vector<Vector6>& b, std::vector<Vector6>& x) const {
-  const int n = static_cast<int>(diagonal_.size());
-  work_.resize(at(n));
-  for (int j = 0; j < n; ++j) work_[at(j)] = b[at(body_[at(j)])];
-  for (int j = 0; j < n; ++j) {
-    diagonal_[at(j)].triangularView<Eigen::Lower>().solveInPlace(work_[at(j)]);
-    const Column& c = columns_[at(j)];
-    for (int s = c.first; s < c.first + c.count; ++s) {
-      work_[at(rows_[at(s)])].noalias() -= blocks_[at(s)] * work_[at(j)];
-    }
-  }
-  x.resize(at(n));
-  for (int j = n - 1; j >= 0; --j) {
-    const Column& c = columns_[at(j)];
-    for (int s = c.first; s < c.first + c.count; ++s) {
-      work_[at(j)].noalias() -= blocks_[at(s)].transpose() * work_[at(rows_[at(s)])];
-    }
-    diagonal_[at(j)].triangularView<Eigen::Lower>().transpose().solveInPlace(work_[at(j)]);
-    x[at(body_[at(j)])] = work_[at(j)];
-  }
+void BlockCholesky::solve(const std::vector<Vector6>& b, std::vector<Vector6>& x) {
+  const std::size_t n = diagonal_.size();
+  work_.resize(n);
+  for (std::size_t j = 0; j < n; ++j) work_[j] = b[at(body_[j])];
+  (kHasAvx2 ? substitute_avx2 : substitute_plain)(view(), work_.data());
+  x.resize(n);
+  for (std::size_t j = 0; j < n; ++j) x[at(body_[j])] = work_[j];
 }
 
 void BlockGradients::prepare(const BlockMatrix& matrix) {

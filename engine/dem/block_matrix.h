@@ -21,9 +21,22 @@ struct BlockMatrix {
   std::vector<Matrix6> off;       // [E] block (row, column)
 
   int size() const { return static_cast<int>(diagonal.size()); }
-  void set_zero();
   /// y = A x.
   void multiply(const std::vector<Vector6>& x, std::vector<Vector6>& y) const;
+};
+
+/// What the loops of a factorisation work on.
+struct BlockFactor {
+  struct Column {
+    int first = 0, count = 0;  // in rows and blocks, below the diagonal
+  };
+  int size;
+  const Column* columns;  // [size]
+  const int* rows;        // positions, rising in a column
+  const int* targets;     // index in blocks (or ~position of a diagonal) per update
+  Matrix6* blocks;
+  char* is_filled;    // per block; the others are zero
+  Matrix6* diagonal;  // first A's, then the inverses of the Cholesky factors
 };
 
 /// Sparse block Cholesky factorisation A = L L^T with a fill-reducing (minimum degree) order.
@@ -35,23 +48,22 @@ class BlockCholesky {
   double num_block_products() const { return num_block_products_; }
   void factorise(const BlockMatrix& matrix);
   /// x = A^-1 b; b and x may be the same.
-  void solve(const std::vector<Vector6>& b, std::vector<Vector6>& x) const;
+  void solve(const std::vector<Vector6>& b, std::vector<Vector6>& x);
 
  private:
-  struct Column {
-    int first = 0, count = 0;  // in rows_ and blocks_
-  };
-  std::vector<int> place_;       // [N] position of a body in the order
-  std::vector<int> body_;        // [N] and back
-  std::vector<Column> columns_;  // below the diagonal
-  std::vector<int> rows_;        // positions, rising in a column
+  BlockFactor view();
+  std::vector<int> place_;  // [N] position of a body in the order
+  std::vector<int> body_;   // [N] and back
+  std::vector<BlockFactor::Column> columns_;
+  std::vector<int> rows_;
   std::vector<Matrix6> blocks_;
-  std::vector<Matrix6> diagonal_;         // Cholesky factors (lower)
-  std::vector<int> targets_;              // blocks_ index (or ~position of a diagonal) per update
+  std::vector<char> is_filled_;
+  std::vector<Matrix6> diagonal_;
+  std::vector<int> targets_;
   std::vector<int> block_of_edge_;        // [E]
   std::vector<bool> edge_is_transposed_;  // [E]
   double num_block_products_ = 0;
-  mutable std::vector<Vector6> work_;
+  std::vector<Vector6> work_;
 };
 
 /// Conjugate gradients with a symmetric block Gauss-Seidel preconditioner.

@@ -20,7 +20,7 @@ constexpr double kSamePlace = 0.01;
 // An approach faster than this many times the fall through the depth of rest is an impact.
 constexpr double kImpact = 3;
 // Depths of rest from which a pair has the least room left, and how much that is of the most.
-constexpr double kDeep = 10, kLeastRoom = 0.1;
+constexpr double kDeep = 15, kLeastRoom = 0.1;
 
 ContactPoint point_from(const FoundPoint& found) {
   ContactPoint point;

@@ -13,8 +13,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Tangential springs act over four steps: three steps' worth of their stiffness as damping.
-constexpr double kTangentialSteps = 4;
 // Loaded springs are damped by three steps' worth of their stiffness: what is pressed in comes out
 // at depth / (4 h) at the fastest.
 constexpr double kNormalSteps = 3;
@@ -48,44 +46,6 @@ constexpr int kManyBodies = 300;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// J^T f for a point at `arm`.
-Vector6 wrench(const Vector3d& arm, const Vector3d& force) {
-  Vector6 w;
-  w << force, arm.cross(force);
-  return w;
-}
-
-/// J^T W J' for points at arms r, r' (J = [1, -[r]x]).
-Matrix6 block(const Matrix3d& w, const Vector3d& r, const Vector3d& s) {
-  const Matrix3d left = cross_matrix(r) * w;
-  const Matrix3d cross_s = cross_matrix(s);
-  Matrix6 m;
-  m.topLeftCorner<3, 3>() = w;
-  m.topRightCorner<3, 3>() = -w * cross_s;
-  m.bottomLeftCorner<3, 3>() = left;
-  m.bottomRightCorner<3, 3>() = -left * cross_s;
-  return m;
-}
-
-struct RowForces {
-  double load;
-  Vector3d pull;  // friction force of z: opposes it with this sign
-  Vector3d z;     // m
-  double size;    // |shear z|
-};
-
-RowForces forces_of(const RestRow& row, const Vector3d& u, double h) {
-  RowForces f;
-  const double un = row.normal.dot(u);
-  const double q = h * row.stiffness + row.damping;
-  f.load = std::max(0.0, row.stiffness * row.compression - q * un);
-  f.z = row.stretch + kTangentialSteps * h * (u - un * row.normal);
-  f.size = row.shear * f.z.norm();
-  f.pull = f.size > row.bound ? Vector3d((row.bound / f.size * row.shear) * f.z)
-                              : Vector3d(row.shear * f.z);
-  return f;
-}
-
 }  // namespace
 
 void RestProblem::set_up(Island& island, double duration, const ContactSettings& settings) {
@@ -95,24 +55,19 @@ void RestProblem::set_up(Island& island, double duration, const ContactSettings&
   const std::size_t n = at(island.num_free);
   start_.resize(n);
   free_.resize(n);
+  inertia_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const BodyState& body = island.bodies[i];
     start_[i] << body.velocity, body.spin;
+    inertia_[i] = body.rotation * body.inertia_b * body.rotation.transpose();
     const Vector3d pull = settings.gravity + body.inverse_mass * body.outside_force;
     const Vector3d momentum = body.angular_momentum + h_ * body.outside_torque;
     free_[i] << body.velocity + h_ * pull, body.inverse_inertia * momentum;
   }
   rows_.clear();
-  edge_of_row_.clear();
-  matrix_.edges.clear();
   for (LocalPair& local : island.pairs) {
     const BodyState& a = island.bodies[at(local.a)];
     const BodyState& b = island.bodies[at(local.b)];
-    int edge = -1;
-    if (a.is_free() && b.is_free() && !local.pair.points.empty()) {
-      edge = static_cast<int>(matrix_.edges.size());
-      matrix_.edges.push_back({std::max(local.a, local.b), std::min(local.a, local.b)});
-    }
     for (ContactPoint& point : local.pair.points) {
       RestRow row;
       row.local = &local;
@@ -130,9 +85,10 @@ void RestProblem::set_up(Island& island, double duration, const ContactSettings&
       row.load = std::min(point.load, pressed);
       row.stretch = turned_into_plane(b.rotation * point.stretch_b, point.normal);
       rows_.push_back(row);
-      edge_of_row_.push_back(edge);
     }
   }
+  loops_.set_places(rows_, n, h_);
+  loops_.list_edges(matrix_);
   matrix_.diagonal.resize(n);
   matrix_.off.resize(matrix_.edges.size());
   is_first_ = true;
@@ -150,83 +106,33 @@ void RestProblem::refresh_rows(const ContactSettings& settings) {
     row.shear = settings.tangential_ratio * row.stiffness;
     row.bound = row.friction * row.load;
   }
-}
-
-Vector3d RestProblem::relative_velocity(const RestRow& row, const std::vector<Vector6>& v) const {
-  Vector3d u = row.given;
-  if (row.a >= 0) {
-    const Vector6& va = v[at(row.a)];
-    u += va.head<3>() + va.tail<3>().cross(row.arm_a);
-  }
-  if (row.b >= 0) {
-    const Vector6& vb = v[at(row.b)];
-    u -= vb.head<3>() + vb.tail<3>().cross(row.arm_b);
-  }
-  return u;
+  loops_.set_springs(rows_);
+  loops_.set_bounds(rows_);
 }
 
 void RestProblem::apply_mass(std::vector<Vector6>& v) const {
   for (std::size_t i = 0; i < v.size(); ++i) {
-    const BodyState& body = island_->bodies[i];
-    v[i].head<3>() *= body.mass;
-    const Vector3d spin_b = body.rotation.transpose() * v[i].tail<3>();
-    v[i].tail<3>() = body.rotation * (body.inertia_b * spin_b);
+    v[i].head<3>() *= island_->bodies[i].mass;
+    v[i].tail<3>() = inertia_[i] * v[i].tail<3>();
   }
 }
 
-/// Gradient of the objective; loads and tangential forces of the rows are set.
+/// Gradient of the objective; loads and tangential forces of the loops are set.
 void RestProblem::evaluate(const std::vector<Vector6>& v, std::vector<Vector6>& gradient) {
   gradient.resize(v.size());
   for (std::size_t i = 0; i < v.size(); ++i) gradient[i] = v[i] - free_[i];
   apply_mass(gradient);
-  for (RestRow& row : rows_) {
-    const RowForces f = forces_of(row, relative_velocity(row, v), h_);
-    row.load = f.load;
-    row.tangential = -f.pull;
-    if (f.load <= 0 && f.size <= 0) continue;
-    const Vector3d force = h_ * (f.load * row.normal - f.pull);
-    if (row.a >= 0) gradient[at(row.a)] -= wrench(row.arm_a, force);
-    if (row.b >= 0) gradient[at(row.b)] += wrench(row.arm_b, force);
-  }
+  loops_.evaluate(v, gradient);
 }
 
-void RestProblem::assemble(const std::vector<Vector6>& v, double sliding_share) {
-  matrix_.set_zero();
+/// The matrix of second derivatives at the last evaluation, ready to solve with.
+void RestProblem::assemble(double sliding_share) {
   for (std::size_t i = 0; i < matrix_.diagonal.size(); ++i) {
-    const BodyState& body = island_->bodies[i];
-    matrix_.diagonal[i].topLeftCorner<3, 3>() = body.mass * Matrix3d::Identity();
-    matrix_.diagonal[i].bottomRightCorner<3, 3>() =
-        body.rotation * body.inertia_b * body.rotation.transpose();
+    matrix_.diagonal[i].setZero();
+    matrix_.diagonal[i].diagonal().head<3>().setConstant(island_->bodies[i].mass);
+    matrix_.diagonal[i].bottomRightCorner<3, 3>() = inertia_[i];
   }
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const RestRow& row = rows_[r];
-    const RowForces f = forces_of(row, relative_velocity(row, v), h_);
-    Matrix3d w = Matrix3d::Zero();
-    if (f.load > 0) {
-      w += (h_ * (h_ * row.stiffness + row.damping)) * row.normal * row.normal.transpose();
-    }
-    if (row.bound > 0 && row.shear > 0) {
-      const Matrix3d across = Matrix3d::Identity() - row.normal * row.normal.transpose();
-      const double scale = kTangentialSteps * h_ * h_;
-      if (f.size <= row.bound) {
-        w += (scale * row.shear) * across;
-      } else {
-        const Vector3d along = f.z.normalized();
-        w += (scale * row.shear * row.bound / f.size) *
-             (across - sliding_share * along * along.transpose());
-      }
-    }
-    if (w.isZero(0)) continue;
-    if (row.a >= 0) matrix_.diagonal[at(row.a)] += block(w, row.arm_a, row.arm_a);
-    if (row.b >= 0) matrix_.diagonal[at(row.b)] += block(w, row.arm_b, row.arm_b);
-    if (edge_of_row_[r] < 0) continue;
-    Matrix6& off = matrix_.off[at(edge_of_row_[r])];
-    if (row.a > row.b) {
-      off -= block(w, row.arm_a, row.arm_b);
-    } else {
-      off -= block(w, row.arm_b, row.arm_a);
-    }
-  }
+  loops_.add_stiffness(sliding_share, matrix_);
   if (!is_analysed_) {
     cholesky_.analyse(matrix_);
     const double num_edges = static_cast<double>(matrix_.edges.size() + matrix_.diagonal.size());
@@ -247,38 +153,22 @@ void RestProblem::solve_linear(const std::vector<Vector6>& b, std::vector<Vector
   }
 }
 
-/// Where the objective is least along `direction`: false position on its slope.
-double RestProblem::line_search(const std::vector<Vector6>& v,
+/// Where the objective is least along `direction` from the last evaluation, whose gradient this is:
+/// false position on its slope.
+double RestProblem::line_search(const std::vector<Vector6>& gradient,
                                 const std::vector<Vector6>& direction) {
-  std::vector<Vector6> weighted = direction;
-  apply_mass(weighted);
-  double curvature = 0, slope_of_mass = 0;
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    curvature += direction[i].dot(weighted[i]);
-    slope_of_mass += (v[i] - free_[i]).dot(weighted[i]);
-  }
-  struct Line {
-    const RestRow* row;
-    Vector3d u, du;
-  };
-  thread_local std::vector<Line> lines;
-  lines.clear();
-  for (const RestRow& row : rows_) {
-    Line line{&row, relative_velocity(row, v), Vector3d::Zero()};
-    line.du = relative_velocity(row, direction) - row.given;
-    lines.push_back(line);
-  }
-  const auto slope = [&](double t) {
-    double sum = slope_of_mass + t * curvature;
-    for (const Line& line : lines) {
-      const RowForces f = forces_of(*line.row, line.u + t * line.du, h_);
-      const double dn = line.row->normal.dot(line.du);
-      sum += h_ * (f.pull.dot(line.du - dn * line.row->normal) - f.load * dn);
-    }
-    return sum;
-  };
-  const double at_start = slope(0);
+  double at_start = 0;
+  for (std::size_t i = 0; i < gradient.size(); ++i) at_start += gradient[i].dot(direction[i]);
   if (!(at_start < 0)) return 0;
+  weighted_ = direction;
+  apply_mass(weighted_);
+  double curvature = 0, slope_of_mass = 0;
+  for (std::size_t i = 0; i < direction.size(); ++i) {
+    curvature += direction[i].dot(weighted_[i]);
+    slope_of_mass += (v_[i] - free_[i]).dot(weighted_[i]);
+  }
+  loops_.set_direction(direction);
+  const auto slope = [&](double t) { return slope_of_mass + t * curvature + loops_.slope(t); };
   double low = 0, low_slope = at_start, high = 1, high_slope = slope(1);
   if (std::abs(high_slope) <= 0.2 * -at_start) return 1;
   while (high_slope < 0 && high < 8) {
@@ -319,7 +209,7 @@ double RestProblem::scaled_residual(const std::vector<Vector6>& gradient) const 
 
 RestProblem::Outcome RestProblem::solve(bool is_rough) {
   Outcome outcome;
-  std::vector<Vector6> gradient, direction;
+  std::vector<Vector6>&gradient = gradient_, &direction = direction_;
   const bool is_small = island_->num_free < kManyBodies;
   const double tolerance = is_small ? kTightResidual : kLooseResidual;
   Accuracy accuracy = is_rough ? kRough : kResting;
@@ -341,10 +231,10 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
     best_ = v_;
     int stalled = 0;
     for (int i = 0; i < kMostNewtonSteps && !outcome.converged; ++i) {
-      assemble(v_, i < cautious ? kSlidingShare : 1);
-      for (Vector6& g : gradient) g = -g;
+      assemble(i < cautious ? kSlidingShare : 1);
       solve_linear(gradient, direction, 1e-2);
-      const double t = line_search(v_, direction);
+      for (Vector6& d : direction) d = -d;
+      const double t = line_search(gradient, direction);
       for (std::size_t k = 0; k < v_.size(); ++k) v_[k] += t * direction[k];
       evaluate(v_, gradient);
       residual = scaled_residual(gradient);
@@ -363,6 +253,7 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
       v_ = best_;
       evaluate(v_, gradient);
     }
+    loops_.take_forces(rows_);
     // Bounds matter where they hold; a contact that sticks within both is what it was.
     double change = 0, whole = 0;
     for (const RestRow& row : rows_) {
@@ -375,9 +266,11 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
     if (is_settled || pass + 1 == accuracy.most_passes)
       break;  // the bounds stay those of the solution
     for (RestRow& row : rows_) row.bound = row.friction * row.load;
+    loops_.set_bounds(rows_);
   }
   // The loads of the solution, put on the bodies exactly: momentum is kept to rounding.
   evaluate(v_, gradient);
+  loops_.take_forces(rows_);
   end_ = free_;
   for (const RestRow& row : rows_) {
     const Vector3d force = h_ * (row.load * row.normal + row.tangential);
@@ -394,10 +287,10 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
 }
 
 void RestProblem::project(std::vector<Vector6>& c) {
-  assemble(v_, 1);
-  std::vector<Vector6> weighted = c;
-  apply_mass(weighted);
-  solve_linear(weighted, c, 1e-6);
+  assemble(1);
+  weighted_ = c;
+  apply_mass(weighted_);
+  solve_linear(weighted_, c, 1e-6);
 }
 
 }  // namespace verisim::dem

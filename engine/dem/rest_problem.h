@@ -6,26 +6,9 @@
 
 #include "dem/block_matrix.h"
 #include "dem/island.h"
+#include "dem/rest_rows.h"
 
 namespace verisim::dem {
-
-/// A contact point as the problem sees it. a and b are free bodies or -1.
-struct RestRow {
-  int a = -1, b = -1;
-  LocalPair* local = nullptr;
-  ContactPoint* point = nullptr;
-  Eigen::Vector3d normal, arm_a, arm_b;               // m, from the centres of mass
-  Eigen::Vector3d given = Eigen::Vector3d::Zero();    // m/s, relative velocity of bodies not free
-  Eigen::Vector3d stretch = Eigen::Vector3d::Zero();  // m, at the start of the step
-  double compression = 0;                             // m, at the start; < 0 apart
-  double stiffness = 0;                               // N/m, normal
-  double damping = 0;                                 // N s/m, normal
-  double shear = 0;                                   // N/m, tangential
-  double friction = 0;                                // coefficient
-  double bound = 0;                                   // N, of the friction in this pass
-  double load = 0;                                    // N, normal, at the solution
-  Eigen::Vector3d tangential = Eigen::Vector3d::Zero();  // N, friction on a, at the solution
-};
 
 /// Minimises over the velocities v of the free bodies, with h the step and u = J v per row:
 ///   1/2 |v - v*|_M^2 + sum h/(2q) [k x - q u_n]_+^2 + sum h/(4h) Huber_{k_t, b}(s + 4h u_t),
@@ -52,11 +35,10 @@ class RestProblem {
   const std::vector<Vector6>& start_velocities() const { return start_; }
   /// H^-1 M c with the matrix of the last Newton step: c without its stiff directions.
   void project(std::vector<Vector6>& c);
-  Eigen::Vector3d relative_velocity(const RestRow& row, const std::vector<Vector6>& v) const;
 
  private:
   void evaluate(const std::vector<Vector6>& v, std::vector<Vector6>& gradient);
-  void assemble(const std::vector<Vector6>& v, double sliding_share);
+  void assemble(double sliding_share);
   void solve_linear(const std::vector<Vector6>& b, std::vector<Vector6>& x, double tolerance);
   double line_search(const std::vector<Vector6>& v, const std::vector<Vector6>& direction);
   double scaled_residual(const std::vector<Vector6>& gradient) const;
@@ -66,8 +48,9 @@ class RestProblem {
   double h_ = 0;
   double gravity_ = 0;
   std::vector<RestRow> rows_;
-  std::vector<int> edge_of_row_;
-  std::vector<Vector6> start_, free_, end_, v_, best_;
+  RestRows loops_;
+  std::vector<Eigen::Matrix3d> inertia_;  // [N] world axes
+  std::vector<Vector6> start_, free_, end_, v_, best_, gradient_, direction_, weighted_;
   BlockMatrix matrix_;
   BlockCholesky cholesky_;
   BlockGradients gradients_;

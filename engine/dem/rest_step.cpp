@@ -20,7 +20,7 @@ constexpr double kUnseenRise = 1e-3;
 // Stiffness grows by no more than this factor at a time: resting loads are found at once, the
 // spike of an impact must not stiffen what rests afterwards.
 constexpr double kMostStiffening = 100, kMostStiffeningInImpact = 4;
-constexpr int kMostSolves = 5;
+constexpr int kMostSolves = 3;
 // Depths of rest that an impact may press in a spring.
 constexpr double kImpactDepth = 4;
 // Load of a spring, of what presses it in by the depth of rest, beyond which it is stiffened and
@@ -35,7 +35,7 @@ constexpr double kTurnedTowards = 1e-5;
 constexpr double kUnseenShift = 1e-4;
 // Depths of rest by which an offset may shrink in a step, and the share of what the step dissipated
 // that may pay for it.
-constexpr double kRecovery = 0.25, kRecoveryShare = 0.5;
+constexpr double kRecovery = 0.5, kRecoveryShare = 0.5;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -135,7 +135,7 @@ bool stiffen_overloaded(RestProblem& problem, Island& island, const ContactSetti
     std::size_t r = first;
     for (; r < rows.size() && rows[r].local == &local; ++r) {
       load = std::max(load, rows[r].load / rows[r].point->weight);
-      const Vector3d u = problem.relative_velocity(rows[r], problem.start_velocities());
+      const Vector3d u = relative_velocity(rows[r], problem.start_velocities());
       if (rows[r].load > 0) fastest = std::max(fastest, -rows[r].normal.dot(u));
       is_pressed = is_pressed || rows[r].compression > 0;
     }
@@ -174,7 +174,7 @@ double move(RestProblem& problem, Island& island, double h, const ContactSetting
   double impact = 0;
   for (const RestRow& row : problem.rows()) {
     if (row.load <= 0) continue;
-    impact = std::max(impact, -row.normal.dot(problem.relative_velocity(row, start)));
+    impact = std::max(impact, -row.normal.dot(relative_velocity(row, start)));
   }
   const bool is_smooth = impact <= least_impact_speed(settings);
   if (is_smooth && largest > kUnseenShift * settings.rest_depth) {
@@ -187,11 +187,11 @@ double move(RestProblem& problem, Island& island, double h, const ContactSetting
   double aimed_at = 0;
   std::vector<Vector6> impulse(end.size(), Vector6::Zero());
   for (RestRow& row : problem.rows()) {
-    const Vector3d u_start = problem.relative_velocity(row, start);
-    const Vector3d u_end = problem.relative_velocity(row, end);
+    const Vector3d u_start = relative_velocity(row, start);
+    const Vector3d u_end = relative_velocity(row, end);
     const Vector3d u_mean = 0.5 * (u_start + u_end);
     const Vector3d& n = row.normal;
-    const Vector3d shifted = problem.relative_velocity(row, shift) - row.given;
+    const Vector3d shifted = relative_velocity(row, shift) - row.given;
     const double after = row.compression - n.dot(h * u_end + shifted);
     const double stored = 0.5 * row.stiffness * std::pow(std::max(0.0, after), 2);
     const double was_stored = 0.5 * row.stiffness * std::pow(std::max(0.0, row.compression), 2);

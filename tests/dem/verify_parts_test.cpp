@@ -35,7 +35,8 @@ VERISIM_OUT_OF_LINE BlockMatrix random_matrix(int size, unsigned seed) {
     return !seen.insert({edge.row, edge.column}).second;
   });
   matrix.off.resize(matrix.edges.size());
-  matrix.set_zero();
+  for (Matrix6& block : matrix.diagonal) block.setZero();
+  for (Matrix6& block : matrix.off) block.setZero();
   for (std::size_t e = 0; e < matrix.edges.size(); ++e) {
     // One spring of random direction: adds J^T J to both bodies, so the whole stays semi-definite.
     Eigen::Matrix<double, 3, 6> a, b;
