@@ -30,6 +30,12 @@ struct BodyState {
   Eigen::Vector3d damping_torque = Eigen::Vector3d::Zero();
   Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();
   Eigen::Vector3d friction_torque = Eigen::Vector3d::Zero();
+  bool is_touched = false;  // by a contact: else those parts are 0
+  bool is_pushed = false;   // by anything: else all loads are 0
+  // What the books take of them; moments about the origin.
+  Eigen::Vector3d outside_load = Eigen::Vector3d::Zero();    // N, gravity and from outside
+  Eigen::Vector3d outside_moment = Eigen::Vector3d::Zero();  // N m
+  double load_size = 0, moment_size = 0;                     // N, N m
   // From outside: viewer, modules; held during a step.
   Eigen::Vector3d outside_force = Eigen::Vector3d::Zero();
   Eigen::Vector3d outside_torque = Eigen::Vector3d::Zero();

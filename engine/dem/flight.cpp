@@ -66,6 +66,7 @@ void drift_body(BodyState& body, double duration) {
   body.position += duration * body.velocity;
   body.path_low = body.path_low.cwiseMin(body.position);
   body.path_high = body.path_high.cwiseMax(body.position);
+  if (body.spin.isZero(0)) return;
   if (body.inverse_inertia_all_axes > 0) {
     body.orientation = (rotation_of(duration * body.spin) * body.orientation).normalized();
   } else {
