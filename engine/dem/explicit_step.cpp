@@ -7,7 +7,6 @@
 
 #include "dem/contact_tracking.h"
 #include "dem/flight.h"
-#include "dem/restitution.h"
 #include "dem/tangential_law.h"
 #include "dem/tethers.h"
 #include "dem/wind.h"
@@ -44,25 +43,33 @@ BodyState& body_b(Island& island, const LocalPair& local) {
   return island.bodies[static_cast<std::size_t>(local.b)];
 }
 
-/// Earliest time (s) at which a pair, or another point of a pair that touches, can touch down.
+/// Earliest time (s) at which `gap` (m) can be closed, at most `longest`.
+double close_within(double longest, double gap, const Approach& approach) {
+  // Most gaps are far from closing; to see that takes no root.
+  if (stays_open(gap, approach, longest)) return longest;
+  return std::min(longest, time_to_close(gap, approach));
+}
+
+/// Earliest time (s), at most `step`, at which a pair, or another point of a pair that touches, can
+/// touch down.
 double time_to_meet(const LocalPair& local, const Island& island, double step,
                     const ContactSettings& settings) {
   const ContactPair& pair = local.pair;
   const double touch_down = touch_gap(settings);
   if (!pair.is_touching) {
     const Approach approach = approach_of(local, island, settings.gravity);
-    if (pair.gap > touch_down) return time_to_close(pair.gap, approach);
+    if (pair.gap > touch_down) return close_within(step, pair.gap, approach);
     // So close and yet no landing: edges pass each other. Small steps.
     const double speed =
         std::abs(approach.speed) + std::sqrt(2 * settings.gravity.norm() * settings.impact_depth);
-    return speed > 0 ? 0.25 * settings.impact_depth / speed : step;
+    return speed > 0 ? std::min(step, 0.25 * settings.impact_depth / speed) : step;
   }
   const Approach fastest = fastest_approach(local, island, settings.gravity);
-  double time = time_to_close(pair.look_margin, fastest);
+  double time = close_within(step, pair.look_margin, fastest);
   for (const ContactPoint& point : pair.points) {
     if (point.depth >= -touch_down) continue;
     const Approach approach{closing_speed(local, island.bodies, point), fastest.acceleration};
-    time = std::min(time, time_to_close(-point.depth, approach));
+    time = close_within(time, -point.depth, approach);
   }
   return time;
 }
@@ -98,7 +105,7 @@ double contact_step(const Island& island, const ContactSettings& settings) {
                                     rates[static_cast<std::size_t>(local.b)]);
   }
   if (fastest <= 0) return std::numeric_limits<double>::infinity();
-  return impact_step(settings.steps_per_contact) / std::sqrt(fastest);
+  return settings.impact_step / std::sqrt(fastest);
 }
 
 void kick(Island& island, double duration) {
@@ -366,7 +373,7 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
   if (is_tethered) step = std::min(step, tether_step(island, settings.gravity));
   if (settings.wind) step = wind_step(island, *settings.wind, settings.gravity, step);
   for (const LocalPair& local : island.pairs) {
-    step = std::min(step, time_to_meet(local, island, step, settings));
+    step = time_to_meet(local, island, step, settings);
   }
   if (!island.has_forces) evaluate_contact_forces(island, 0, settings);
   const auto kick_first_half = [&](double duration) {

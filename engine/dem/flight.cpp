@@ -18,20 +18,17 @@ constexpr double kTurn = 0.03;
 
 }  // namespace
 
-double edge_speed(const BodyState& body) {
-  if (std::holds_alternative<SphereShape>(*body.shape)) return 0;
-  return body.spin.norm() * body.reach;
-}
-
 Approach approach_of(const LocalPair& local, const Island& island, const Vector3d& gravity) {
+  if (!local.pair.gap_is_along_normal) return fastest_approach(local, island, gravity);
   const BodyState& a = island.bodies[static_cast<std::size_t>(local.a)];
   const BodyState& b = island.bodies[static_cast<std::size_t>(local.b)];
-  const Vector3d apart = a.velocity - b.velocity;
-  const Vector3d pull = (a.is_free() ? 1.0 : 0.0) * gravity - (b.is_free() ? 1.0 : 0.0) * gravity;
-  const double turning = edge_speed(a) + edge_speed(b);
   const double other = a.other_acceleration + b.other_acceleration;
-  if (!local.pair.gap_is_along_normal) return {apart.norm() + turning, pull.norm() + other};
-  return {turning - local.pair.gap_normal.dot(apart), other - local.pair.gap_normal.dot(pull)};
+  double pull = 0;  // apart
+  if (a.is_free() != b.is_free()) {
+    pull = (a.is_free() ? 1 : -1) * local.pair.gap_normal.dot(gravity);
+  }
+  return {edge_speed(a) + edge_speed(b) - local.pair.gap_normal.dot(a.velocity - b.velocity),
+          other - pull};
 }
 
 double time_to_close(double gap, const Approach& approach) {

@@ -12,6 +12,7 @@
 #include "dem/explicit_step.h"
 #include "dem/normal_law.h"
 #include "dem/prescribed.h"
+#include "dem/restitution.h"
 #include "dem/surface_contact.h"
 #include "dem/tether_definition.h"
 #include "dem/xpbd.h"
@@ -145,7 +146,7 @@ SurfaceContacts::SurfaceContacts(const WorldDefinition& definition)
   settings_.gravity = definition.gravity;
   settings_.rest_depth = chosen_.rest_depth;
   settings_.stiffness = dem.stiffness;
-  settings_.steps_per_contact = dem.steps_per_contact;
+  settings_.impact_step = impact_step(dem.steps_per_contact);
   settings_.rests_implicitly = dem.rests_implicitly;
   settings_.wind = definition.wind;
   settings_.contact_law = dem.contact_law;
