@@ -128,7 +128,7 @@ void kick(Island& island, double duration) {
     const Vector3d velocity_before = body.velocity, spin_before = body.spin;
     body.velocity += (duration * body.inverse_mass) * body.force;
     body.angular_momentum += duration * body.torque;
-    body.spin = body.inverse_inertia * body.angular_momentum;
+    body.spin = spin_of(body);
     const Vector3d mean_velocity = 0.5 * (velocity_before + body.velocity);
     const Vector3d mean_spin = 0.5 * (spin_before + body.spin);
     if (body.is_touched) {
@@ -235,15 +235,19 @@ void apply(LocalPair& local, ContactPoint& point, const Touching& touching, doub
   a.torque += arm_a.cross(force);
   b.force -= force;
   b.torque -= arm_b.cross(force);
-  const Vector3d damped_force = damped * n;
-  a.damping_force += damped_force;
-  a.damping_torque += arm_a.cross(damped_force);
-  b.damping_force -= damped_force;
-  b.damping_torque -= arm_b.cross(damped_force);
-  a.friction_force += friction;
-  a.friction_torque += arm_a.cross(friction);
-  b.friction_force -= friction;
-  b.friction_torque -= arm_b.cross(friction);
+  if (damped != 0) {
+    const Vector3d damped_force = damped * n;
+    a.damping_force += damped_force;
+    a.damping_torque += arm_a.cross(damped_force);
+    b.damping_force -= damped_force;
+    b.damping_torque -= arm_b.cross(damped_force);
+  }
+  if (!friction.isZero(0)) {
+    a.friction_force += friction;
+    a.friction_torque += arm_a.cross(friction);
+    b.friction_force -= friction;
+    b.friction_torque -= arm_b.cross(friction);
+  }
   island.books.elastic_energy += spring.energy + sheared;
   island.books.shear_energy += sheared;
   island.books.overlap_total += point.depth;
