@@ -43,13 +43,6 @@ BodyState& body_b(Island& island, const LocalPair& local) {
   return island.bodies[static_cast<std::size_t>(local.b)];
 }
 
-/// Earliest time (s) at which `gap` (m) can be closed, at most `longest`.
-double close_within(double longest, double gap, const Approach& approach) {
-  // Most gaps are far from closing; to see that takes no root.
-  if (stays_open(gap, approach, longest)) return longest;
-  return std::min(longest, time_to_close(gap, approach));
-}
-
 /// Earliest time (s), at most `step`, at which a pair, or another point of a pair that touches, can
 /// touch down.
 double time_to_meet(const LocalPair& local, const Island& island, double step,
@@ -57,6 +50,9 @@ double time_to_meet(const LocalPair& local, const Island& island, double step,
   const ContactPair& pair = local.pair;
   const double touch_down = touch_gap(settings);
   if (!pair.is_touching) {
+    if (pair.gap > touch_down && has_corners(local, island)) {
+      return time_to_land(local, island, settings.gravity, step);
+    }
     const Approach approach = approach_of(local, island, settings.gravity);
     if (pair.gap > touch_down) return close_within(step, pair.gap, approach);
     // So close and yet no landing: edges pass each other. Small steps.
@@ -391,7 +387,7 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
     kick_first_half(step);
   }
   for (LocalPair& local : island.pairs) {
-    if (local.pair.is_touching) continue;
+    if (local.pair.is_touching || has_corners(local, island)) continue;
     const Approach approach = approach_of(local, island, settings.gravity);
     local.pair.gap -= std::max(0.0, approach.speed) * step;
   }
@@ -403,7 +399,10 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
     if (body.path != nullptr) follow_path(body, island.time);
   }
   for (LocalPair& local : island.pairs) {
-    if (!local.pair.is_touching) continue;
+    if (!local.pair.is_touching) {
+      if (has_corners(local, island)) local.pair.gap = corner_gap(local, island);
+      continue;
+    }
     const Approach approach = fastest_approach(local, island, settings.gravity);
     const double margin = 2 * step * (approach.speed + step * approach.acceleration);
     look_and_book(local, island, std::max(settings.impact_depth, margin), step);
