@@ -19,7 +19,7 @@ struct ContactSettings {
   double rest_depth = 0;                              // m, compression allowed under a resting load
   double tangential_ratio = 0.8;                      // tangential over normal stiffness
   double impact_step = 0;  // sqrt(m/k), of an explicit step; see restitution.h
-  double stiffness = 0;  // N/m; 0: from impact and load
+  double stiffness = 0;    // N/m; 0: from impact and load
   bool rests_implicitly = true;
   NormalLaw contact_law = NormalLaw::kHuntCrossley;
   TangentialLaw tangential_law = TangentialLaw::kSpring;
