@@ -30,6 +30,12 @@ struct BodyState {
   Eigen::Vector3d damping_torque = Eigen::Vector3d::Zero();
   Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();
   Eigen::Vector3d friction_torque = Eigen::Vector3d::Zero();
+  bool is_touched = false;  // by a contact: else those parts are 0
+  bool is_pushed = false;   // by anything: else all loads are 0
+  // What the books take of them; moments about the origin.
+  Eigen::Vector3d outside_load = Eigen::Vector3d::Zero();    // N, gravity and from outside
+  Eigen::Vector3d outside_moment = Eigen::Vector3d::Zero();  // N m
+  double load_size = 0, moment_size = 0;                     // N, N m
   // From outside: viewer, modules; held during a step.
   Eigen::Vector3d outside_force = Eigen::Vector3d::Zero();
   Eigen::Vector3d outside_torque = Eigen::Vector3d::Zero();
@@ -63,17 +69,23 @@ struct BodyState {
   }
 };
 
+/// Angular velocity (rad/s) of a free body that belongs to its angular momentum.
+inline Eigen::Vector3d spin_of(const BodyState& body) {
+  const double all_axes = body.inverse_inertia_all_axes;
+  if (all_axes > 0) return all_axes * body.angular_momentum;
+  return body.inverse_inertia * body.angular_momentum;
+}
+
 /// Rotation matrix, world inertia and spin from orientation and angular momentum.
 inline void refresh(BodyState& body) {
   body.rotation = body.orientation.toRotationMatrix();
   if (!body.is_free()) return;
   if (body.inverse_inertia_all_axes > 0) {
     body.inverse_inertia = body.inverse_inertia_all_axes * Eigen::Matrix3d::Identity();
-    body.spin = body.inverse_inertia_all_axes * body.angular_momentum;
-    return;
+  } else {
+    body.inverse_inertia = body.rotation * body.inverse_inertia_b * body.rotation.transpose();
   }
-  body.inverse_inertia = body.rotation * body.inverse_inertia_b * body.rotation.transpose();
-  body.spin = body.inverse_inertia * body.angular_momentum;
+  body.spin = spin_of(body);
 }
 
 }  // namespace verisim::dem

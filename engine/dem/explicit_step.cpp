@@ -7,7 +7,6 @@
 
 #include "dem/contact_tracking.h"
 #include "dem/flight.h"
-#include "dem/restitution.h"
 #include "dem/tangential_law.h"
 #include "dem/tethers.h"
 #include "dem/wind.h"
@@ -44,25 +43,29 @@ BodyState& body_b(Island& island, const LocalPair& local) {
   return island.bodies[static_cast<std::size_t>(local.b)];
 }
 
-/// Earliest time (s) at which a pair, or another point of a pair that touches, can touch down.
+/// Earliest time (s), at most `step`, at which a pair, or another point of a pair that touches, can
+/// touch down.
 double time_to_meet(const LocalPair& local, const Island& island, double step,
                     const ContactSettings& settings) {
   const ContactPair& pair = local.pair;
   const double touch_down = touch_gap(settings);
   if (!pair.is_touching) {
+    if (pair.gap > touch_down && has_corners(local, island)) {
+      return time_to_land(local, island, settings.gravity, step);
+    }
     const Approach approach = approach_of(local, island, settings.gravity);
-    if (pair.gap > touch_down) return time_to_close(pair.gap, approach);
+    if (pair.gap > touch_down) return close_within(step, pair.gap, approach);
     // So close and yet no landing: edges pass each other. Small steps.
     const double speed =
         std::abs(approach.speed) + std::sqrt(2 * settings.gravity.norm() * settings.impact_depth);
-    return speed > 0 ? 0.25 * settings.impact_depth / speed : step;
+    return speed > 0 ? std::min(step, 0.25 * settings.impact_depth / speed) : step;
   }
   const Approach fastest = fastest_approach(local, island, settings.gravity);
-  double time = time_to_close(pair.look_margin, fastest);
+  double time = close_within(step, pair.look_margin, fastest);
   for (const ContactPoint& point : pair.points) {
     if (point.depth >= -touch_down) continue;
     const Approach approach{closing_speed(local, island.bodies, point), fastest.acceleration};
-    time = std::min(time, time_to_close(-point.depth, approach));
+    time = close_within(time, -point.depth, approach);
   }
   return time;
 }
@@ -98,14 +101,15 @@ double contact_step(const Island& island, const ContactSettings& settings) {
                                     rates[static_cast<std::size_t>(local.b)]);
   }
   if (fastest <= 0) return std::numeric_limits<double>::infinity();
-  return impact_step(settings.steps_per_contact) / std::sqrt(fastest);
+  return settings.impact_step / std::sqrt(fastest);
 }
 
-void kick(Island& island, double duration, const Vector3d& gravity) {
+void kick(Island& island, double duration) {
   IslandBooks& books = island.books;
   for (std::size_t i = static_cast<std::size_t>(island.num_free); i < island.bodies.size(); ++i) {
     // What holds a body or moves it along its path gives the island what its contacts take.
     const BodyState& body = island.bodies[i];
+    if (!body.is_touched) continue;
     books.impulse -= duration * body.force;
     books.angular_impulse -= duration * (body.position.cross(body.force) + body.torque);
     books.damping_work -=
@@ -116,25 +120,54 @@ void kick(Island& island, double duration, const Vector3d& gravity) {
   }
   for (int i = 0; i < island.num_free; ++i) {
     BodyState& body = island.bodies[static_cast<std::size_t>(i)];
+    if (!body.is_pushed) continue;
     const Vector3d velocity_before = body.velocity, spin_before = body.spin;
     body.velocity += (duration * body.inverse_mass) * body.force;
     body.angular_momentum += duration * body.torque;
-    body.spin = body.inverse_inertia * body.angular_momentum;
+    body.spin = spin_of(body);
     const Vector3d mean_velocity = 0.5 * (velocity_before + body.velocity);
     const Vector3d mean_spin = 0.5 * (spin_before + body.spin);
-    books.damping_work -=
-        duration * (body.damping_force.dot(mean_velocity) + body.damping_torque.dot(mean_spin));
-    books.friction_work -=
-        duration * (body.friction_force.dot(mean_velocity) + body.friction_torque.dot(mean_spin));
+    if (body.is_touched) {
+      books.damping_work -=
+          duration * (body.damping_force.dot(mean_velocity) + body.damping_torque.dot(mean_spin));
+      books.friction_work -=
+          duration * (body.friction_force.dot(mean_velocity) + body.friction_torque.dot(mean_spin));
+    }
     books.outside_work +=
         duration * (body.outside_force.dot(mean_velocity) + body.outside_torque.dot(mean_spin));
-    const Vector3d outside = body.mass * gravity + body.outside_force;
-    books.impulse += duration * outside;
-    books.angular_impulse += duration * (body.position.cross(outside) + body.outside_torque);
-    books.impulse_size += duration * body.force.norm();
-    books.angular_impulse_size += duration * (body.position.cross(body.force) + body.torque).norm();
+    books.impulse += duration * body.outside_load;
+    books.angular_impulse += duration * body.outside_moment;
+    books.impulse_size += duration * body.load_size;
+    books.angular_impulse_size += duration * body.moment_size;
     check_finite(body, books);
   }
+}
+
+/// Loads without contacts.
+void begin_loads(BodyState& body, const Vector3d& gravity) {
+  if (body.is_touched) {
+    body.damping_force.setZero();
+    body.damping_torque.setZero();
+    body.friction_force.setZero();
+    body.friction_torque.setZero();
+    body.is_touched = false;
+  }
+  body.force.setZero();
+  body.torque.setZero();
+  if (!body.is_free()) return;
+  body.outside_load = body.mass * gravity + body.outside_force;
+  body.force = body.outside_load;
+  body.torque = body.outside_torque;
+}
+
+/// What the books take of a free body's loads in every kick by them.
+void sum_loads(BodyState& body) {
+  body.is_pushed =
+      body.is_touched || !body.outside_load.isZero(0) || !body.outside_torque.isZero(0);
+  if (!body.is_pushed) return;
+  body.outside_moment = body.position.cross(body.outside_load) + body.outside_torque;
+  body.load_size = body.force.norm();
+  body.moment_size = (body.position.cross(body.force) + body.torque).norm();
 }
 
 /// The points of a pair that are pressed in.
@@ -146,8 +179,6 @@ struct Touching {
 /// One point's forces at the present state.
 void apply(LocalPair& local, ContactPoint& point, const Touching& touching, double drift,
            const ContactSettings& settings, Island& island) {
-  BodyState& a = body_a(island, local);
-  BodyState& b = body_b(island, local);
   const double compression = point.depth - point.offset;
   if (compression <= 0) {
     point.is_touching = false;
@@ -158,6 +189,9 @@ void apply(LocalPair& local, ContactPoint& point, const Touching& touching, doub
     return;
   }
   point.is_touching = true;
+  BodyState& a = body_a(island, local);
+  BodyState& b = body_b(island, local);
+  a.is_touched = b.is_touched = true;
   const Vector3d& n = point.normal;
   const Vector3d velocity = a.velocity_at(point.place) - b.velocity_at(point.place);
   const double closing = -n.dot(velocity);
@@ -197,15 +231,19 @@ void apply(LocalPair& local, ContactPoint& point, const Touching& touching, doub
   a.torque += arm_a.cross(force);
   b.force -= force;
   b.torque -= arm_b.cross(force);
-  const Vector3d damped_force = damped * n;
-  a.damping_force += damped_force;
-  a.damping_torque += arm_a.cross(damped_force);
-  b.damping_force -= damped_force;
-  b.damping_torque -= arm_b.cross(damped_force);
-  a.friction_force += friction;
-  a.friction_torque += arm_a.cross(friction);
-  b.friction_force -= friction;
-  b.friction_torque -= arm_b.cross(friction);
+  if (damped != 0) {
+    const Vector3d damped_force = damped * n;
+    a.damping_force += damped_force;
+    a.damping_torque += arm_a.cross(damped_force);
+    b.damping_force -= damped_force;
+    b.damping_torque -= arm_b.cross(damped_force);
+  }
+  if (!friction.isZero(0)) {
+    a.friction_force += friction;
+    a.friction_torque += arm_a.cross(friction);
+    b.friction_force -= friction;
+    b.friction_torque -= arm_b.cross(friction);
+  }
   island.books.elastic_energy += spring.energy + sheared;
   island.books.shear_energy += sheared;
   island.books.overlap_total += point.depth;
@@ -284,17 +322,7 @@ void adapt(LocalPair& local, Island& island, double drift, double impact,
 }  // namespace
 
 void evaluate_contact_forces(Island& island, double drift, const ContactSettings& settings) {
-  for (BodyState& body : island.bodies) {
-    body.force.setZero();
-    body.torque.setZero();
-    body.damping_force.setZero();
-    body.damping_torque.setZero();
-    body.friction_force.setZero();
-    body.friction_torque.setZero();
-    if (!body.is_free()) continue;
-    body.force = body.mass * settings.gravity + body.outside_force;
-    body.torque = body.outside_torque;
-  }
+  for (BodyState& body : island.bodies) begin_loads(body, settings.gravity);
   // What leaves the tangential springs without work on the bodies is slip.
   const double shear_energy = island.books.shear_energy;
   island.books.elastic_energy = island.books.shear_energy = 0;
@@ -313,6 +341,9 @@ void evaluate_contact_forces(Island& island, double drift, const ContactSettings
       apply(local, point, touching, drift, settings, island);
     }
     num_contacts += touching.num_points;
+  }
+  for (int i = 0; i < island.num_free; ++i) {
+    sum_loads(island.bodies[static_cast<std::size_t>(i)]);
   }
   island.books.friction_work += shear_energy - island.books.shear_energy;
   island.books.max_contacts = std::max(island.books.max_contacts, num_contacts);
@@ -342,12 +373,12 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
   if (is_tethered) step = std::min(step, tether_step(island, settings.gravity));
   if (settings.wind) step = wind_step(island, *settings.wind, settings.gravity, step);
   for (const LocalPair& local : island.pairs) {
-    step = std::min(step, time_to_meet(local, island, step, settings));
+    step = time_to_meet(local, island, step, settings);
   }
   if (!island.has_forces) evaluate_contact_forces(island, 0, settings);
   const auto kick_first_half = [&](double duration) {
     if (settings.wind) blow(island, 0.5 * duration, *settings.wind);
-    kick(island, 0.5 * duration, settings.gravity);
+    kick(island, 0.5 * duration);
   };
   if (is_tethered) {
     tighten(island);
@@ -356,7 +387,7 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
     kick_first_half(step);
   }
   for (LocalPair& local : island.pairs) {
-    if (local.pair.is_touching) continue;
+    if (local.pair.is_touching || has_corners(local, island)) continue;
     const Approach approach = approach_of(local, island, settings.gravity);
     local.pair.gap -= std::max(0.0, approach.speed) * step;
   }
@@ -368,13 +399,16 @@ double explicit_step(Island& island, double longest, const ContactSettings& sett
     if (body.path != nullptr) follow_path(body, island.time);
   }
   for (LocalPair& local : island.pairs) {
-    if (!local.pair.is_touching) continue;
+    if (!local.pair.is_touching) {
+      if (has_corners(local, island)) local.pair.gap = corner_gap(local, island);
+      continue;
+    }
     const Approach approach = fastest_approach(local, island, settings.gravity);
     const double margin = 2 * step * (approach.speed + step * approach.acceleration);
     look_and_book(local, island, std::max(settings.impact_depth, margin), step);
   }
   evaluate_contact_forces(island, step, settings);
-  kick(island, 0.5 * step, settings.gravity);
+  kick(island, 0.5 * step);
   if (settings.wind) blow(island, 0.5 * step, *settings.wind);
   if (is_tethered) hold_velocities(island);
   for (LocalPair& local : island.pairs) {

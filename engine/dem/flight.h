@@ -22,7 +22,24 @@ Approach fastest_approach(const LocalPair& local, const Island& island,
 double time_to_close(double gap, const Approach& approach);
 
 /// Fastest that the turning of a body moves its surface (m/s); 0 for a sphere, whose surface stays.
-double edge_speed(const BodyState& body);
+inline double edge_speed(const BodyState& body) {
+  if (std::holds_alternative<SphereShape>(*body.shape)) return 0;
+  return body.spin.norm() * body.reach;
+}
+
+/// A pair whose every corner is followed by itself: a free box over a plane. Bounds by the speed of
+/// edges would take a hundred steps where a corner grazes the plane.
+bool has_corners(const LocalPair& local, const Island& island);
+
+/// Exact gap (m) of such a pair.
+double corner_gap(const LocalPair& local, const Island& island);
+
+/// Earliest time (s), at most `longest`, at which a corner of such a pair can meet the plane.
+double time_to_land(const LocalPair& local, const Island& island, const Eigen::Vector3d& gravity,
+                    double longest);
+
+/// `time_to_close`, at most `longest` (s).
+double close_within(double longest, double gap, const Approach& approach);
 
 /// Moves a body through `duration` (s) without forces on its rotation: fourth order, in pieces
 /// that turn little enough.

@@ -18,8 +18,8 @@ struct ContactSettings {
   double impact_depth = 0;                            // m, compression allowed in an impact
   double rest_depth = 0;                              // m, compression allowed under a resting load
   double tangential_ratio = 0.8;                      // tangential over normal stiffness
-  int steps_per_contact = 40;
-  double stiffness = 0;  // N/m; 0: from impact and load
+  double impact_step = 0;  // sqrt(m/k), of an explicit step; see restitution.h
+  double stiffness = 0;    // N/m; 0: from impact and load
   bool rests_implicitly = true;
   NormalLaw contact_law = NormalLaw::kHuntCrossley;
   TangentialLaw tangential_law = TangentialLaw::kSpring;

@@ -20,10 +20,9 @@ long steps_for(double duration, double dt) {
   return static_cast<long>(std::ceil(duration / dt - kOnStep));
 }
 
-std::vector<Pose> poses_of(const World& world) {
-  std::vector<Pose> poses;
+void take_poses(const World& world, std::vector<Pose>& poses) {
+  poses.clear();
   for (int b = 0; b < world.bodies.count(); ++b) poses.push_back(pose_of(world, b));
-  return poses;
 }
 
 /// Pose at the share s of the way from a to b.
@@ -41,7 +40,8 @@ class Sampler {
     const double whole = options.duration / interval_;
     last_ = static_cast<long>(std::floor(whole + kOnStep));
     log_.names = world.names;
-    add(start_, poses_of(world));
+    take_poses(world, now_);
+    add(start_);
   }
 
   /// Steps from the start until the next sample lies behind, or `end`.
@@ -55,14 +55,14 @@ class Sampler {
   bool sample(const World& world, const std::vector<Pose>& before, double dt, long steps) {
     const double at = static_cast<double>(next_) * interval_ / dt;
     if (next_ > last_ || at > static_cast<double>(steps) + kOnStep) return false;
-    std::vector<Pose> poses = poses_of(world);
+    take_poses(world, now_);
     const double share = at - static_cast<double>(steps - 1);
     if (share < 1 - kOnStep) {
-      for (std::size_t b = 0; b < poses.size(); ++b) {
-        poses[b] = between(before[b], poses[b], std::max(share, 0.0));
+      for (std::size_t b = 0; b < now_.size(); ++b) {
+        now_[b] = between(before[b], now_[b], std::max(share, 0.0));
       }
     }
-    add(start_ + static_cast<double>(next_) * interval_, poses);
+    add(start_ + static_cast<double>(next_) * interval_);
     ++next_;
     return true;
   }
@@ -70,13 +70,14 @@ class Sampler {
   PoseLog log() && { return std::move(log_); }
 
  private:
-  void add(double time, const std::vector<Pose>& poses) {
+  void add(double time) {
     log_.times.push_back(time);
-    log_.poses.insert(log_.poses.end(), poses.begin(), poses.end());
+    log_.poses.insert(log_.poses.end(), now_.begin(), now_.end());
   }
 
   double start_, interval_;
   long next_ = 1, last_ = 0;
+  std::vector<Pose> now_;
   PoseLog log_;
 };
 
@@ -129,7 +130,7 @@ RunResult run(World& world, const RunOptions& options) {
     const double cpu_before = world.pool->cpu_seconds();
     const long target = sampler.steps_to_next(dt, num_steps);
     while (goes_on && done + 1 < target) advance();
-    before = poses_of(world);
+    take_poses(world, before);
     if (goes_on) advance();
     result.cpu_s += world.pool->cpu_seconds() - cpu_before;
     if (world.halted) break;

@@ -12,6 +12,7 @@
 #include "dem/explicit_step.h"
 #include "dem/normal_law.h"
 #include "dem/prescribed.h"
+#include "dem/restitution.h"
 #include "dem/surface_contact.h"
 #include "dem/tether_definition.h"
 #include "dem/xpbd.h"
@@ -78,24 +79,29 @@ bool may_rest(const Island& island, const ContactSettings& settings) {
                       [](const LocalPair& local) { return local.pair.law.rolling_friction > 0; });
 }
 
-/// Sets of bodies joined by pairs.
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int root(int i) {
-    while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
-    return i;
-  }
-  void join(int i, int j) {
-    const int a = root(i), b = root(j);
-    parent_[at(std::max(a, b))] = std::min(a, b);
-  }
+/// The first body of the set that body i is joined to; `parents` leads there and is shortened.
+int root_of(std::vector<int>& parents, int i) {
+  while (parents[at(i)] != i) i = parents[at(i)] = parents[at(parents[at(i)])];
+  return i;
+}
 
- private:
-  std::vector<int> parent_;
-};
+void join(std::vector<int>& parents, int i, int j) {
+  const int a = root_of(parents, i), b = root_of(parents, j);
+  parents[at(std::max(a, b))] = std::min(a, b);
+}
+
+/// Nothing has happened in the island yet; its memory stays.
+void restart(Island& island, double time) {
+  std::vector<ContactEvent> events = std::move(island.books.events);
+  events.clear();
+  island.books = {};
+  island.books.events = std::move(events);
+  island.bodies.clear();
+  island.tethers.clear();
+  island.time = time;
+  island.num_free = 0;
+  island.has_forces = false;
+}
 
 }  // namespace
 
@@ -145,7 +151,7 @@ SurfaceContacts::SurfaceContacts(const WorldDefinition& definition)
   settings_.gravity = definition.gravity;
   settings_.rest_depth = chosen_.rest_depth;
   settings_.stiffness = dem.stiffness;
-  settings_.steps_per_contact = dem.steps_per_contact;
+  settings_.impact_step = impact_step(dem.steps_per_contact);
   settings_.rests_implicitly = dem.rests_implicitly;
   settings_.wind = definition.wind;
   settings_.contact_law = dem.contact_law;
@@ -241,7 +247,8 @@ PairLaw SurfaceContacts::law_of(int a, int b) const {
 /// Sets pairs_ to all pairs whose bounds overlap, known ones with their points.
 void SurfaceContacts::add_pairs() {
   const int count = static_cast<int>(bodies_.size());
-  std::vector<std::uint64_t> keys;
+  std::vector<std::uint64_t>& keys = scratch_.keys;
+  keys.clear();
   const auto add = [&](int i, int j) {
     const BodyState &x = bodies_[at(i)], &y = bodies_[at(j)];
     if (!x.is_free() && !y.is_free()) return;
@@ -256,7 +263,8 @@ void SurfaceContacts::add_pairs() {
     const Bounds &x = bounds_[at(i)], &y = bounds_[at(j)];
     return (x.low.array() <= y.high.array()).all() && (y.low.array() <= x.high.array()).all();
   };
-  std::vector<int> order;  // of the bounded, along the axis of the widest spread
+  std::vector<int>& order = scratch_.order;  // of the bounded, along the axis of the widest spread
+  order.clear();
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (int i = 0; i < count; ++i) {
     if (std::holds_alternative<PlaneShape>(*bodies_[at(i)].shape)) continue;
@@ -287,6 +295,8 @@ void SurfaceContacts::add_pairs() {
     }
   }
   std::sort(keys.begin(), keys.end());
+  const auto has_key = [](const ContactPair& pair, std::uint64_t key) { return pair.key() == key; };
+  if (std::equal(pairs_.begin(), pairs_.end(), keys.begin(), keys.end(), has_key)) return;
   std::vector<ContactPair> pairs;
   pairs.reserve(keys.size());
   auto known = pairs_.begin();
@@ -306,20 +316,22 @@ void SurfaceContacts::add_pairs() {
 }
 
 /// Widens the bounds of bodies that left theirs; true if that makes a pair that was not looked at.
-bool SurfaceContacts::add_missed_pairs(const std::vector<BodyState>& after) {
+bool SurfaceContacts::add_missed_pairs() {
   bool has_any_left = false;
-  for (const BodyState& body : after) {
-    if (!body.is_free()) continue;
+  const auto widen = [&](const BodyState& body) {
     Bounds& bounds = bounds_[at(body.index)];
     const Vector3d extents = extents_of(body).cwiseMax(extents_of(bodies_[at(body.index)]));
     const Vector3d low = body.path_low - extents, high = body.path_high + extents;
     if ((low.array() >= bounds.low.array()).all() && (high.array() <= bounds.high.array()).all()) {
-      continue;
+      return;
     }
     const double margin = 0.1 * (high - low).norm();
     bounds.low = bounds.low.cwiseMin(low - Vector3d::Constant(margin));
     bounds.high = bounds.high.cwiseMax(high + Vector3d::Constant(margin));
     has_any_left = true;
+  };
+  for (const Island& island : islands_) {
+    for (int i = 0; i < island.num_free; ++i) widen(island.bodies[at(i)]);
   }
   if (!has_any_left) return false;
   const std::size_t before = pairs_.size();
@@ -327,41 +339,65 @@ bool SurfaceContacts::add_missed_pairs(const std::vector<BodyState>& after) {
   return pairs_.size() > before;
 }
 
-std::vector<Island> SurfaceContacts::make_islands(double time) const {
-  UnionFind sets(bodies_.size());
+/// Sets islands_ to copies of all bodies and pairs at `time` (s).
+void SurfaceContacts::make_islands(double time) {
+  std::vector<int>& parents = scratch_.parents;
+  parents.resize(bodies_.size());
+  std::iota(parents.begin(), parents.end(), 0);
   for (const ContactPair& pair : pairs_) {
-    if (bodies_[at(pair.a)].is_free() && bodies_[at(pair.b)].is_free()) sets.join(pair.a, pair.b);
+    if (bodies_[at(pair.a)].is_free() && bodies_[at(pair.b)].is_free()) {
+      join(parents, pair.a, pair.b);
+    }
   }
   for (const Tether& tether : tethers_) {
-    if (tether.b >= 0) sets.join(tether.a, tether.b);
+    if (tether.b >= 0) join(parents, tether.a, tether.b);
   }
-  std::vector<Island> islands;
-  std::vector<int> island_of(bodies_.size(), -1), local_of(bodies_.size(), -1);
+  std::vector<int>&island_of = scratch_.island_of, &local_of = scratch_.local_of;
+  island_of.assign(bodies_.size(), -1);
+  local_of.assign(bodies_.size(), -1);
+  std::size_t num_islands = 0;
   for (const BodyState& body : bodies_) {
     if (!body.is_free()) continue;
-    const int root = sets.root(body.index);
+    const int root = root_of(parents, body.index);
     if (island_of[at(root)] < 0) {
-      island_of[at(root)] = static_cast<int>(islands.size());
-      islands.emplace_back();
+      island_of[at(root)] = static_cast<int>(num_islands);
+      if (islands_.size() == num_islands) islands_.emplace_back();
+      restart(islands_[num_islands++], time);
     }
-    const int island = island_of[at(root)];
-    island_of[at(body.index)] = island;
-    local_of[at(body.index)] = static_cast<int>(islands[at(island)].bodies.size());
-    islands[at(island)].bodies.push_back(body);
+    Island& island = islands_[at(island_of[at(root)])];
+    island_of[at(body.index)] = island_of[at(root)];
+    local_of[at(body.index)] = island.num_free++;
+    island.bodies.push_back(body);
   }
-  for (Island& island : islands) {
-    island.time = time;
-    island.num_free = static_cast<int>(island.bodies.size());
+  islands_.resize(num_islands);
+  add_pairs_to_islands();
+  for (const Tether& tether : tethers_) {
+    Tether local = tether;
+    local.a = local_of[at(tether.a)];
+    if (tether.b >= 0) local.b = local_of[at(tether.b)];
+    islands_[at(island_of[at(tether.a)])].tethers.push_back(local);
   }
+}
+
+void SurfaceContacts::add_pairs_to_islands() {
+  const auto island_with = [&](const ContactPair& pair) {
+    return at(scratch_.island_of[at(bodies_[at(pair.a)].is_free() ? pair.a : pair.b)]);
+  };
+  std::vector<std::size_t>& num_pairs = scratch_.num_pairs;
+  num_pairs.assign(islands_.size(), 0);
+  for (const ContactPair& pair : pairs_) ++num_pairs[island_with(pair)];
+  for (std::size_t i = 0; i < islands_.size(); ++i) islands_[i].pairs.resize(num_pairs[i]);
+  num_pairs.assign(islands_.size(), 0);
   for (const ContactPair& pair : pairs_) {
-    const int free_one = bodies_[at(pair.a)].is_free() ? pair.a : pair.b;
-    Island& island = islands[at(island_of[at(free_one)])];
-    LocalPair local;
+    const std::size_t i = island_with(pair);
+    Island& island = islands_[i];
+    LocalPair& local = island.pairs[num_pairs[i]++];
     local.pair = pair;
+    local.moved = -1;
     const auto local_index = [&](int body) {
-      if (bodies_[at(body)].is_free()) return local_of[at(body)];
-      for (int i = island.num_free; i < static_cast<int>(island.bodies.size()); ++i) {
-        if (island.bodies[at(i)].index == body) return i;
+      if (bodies_[at(body)].is_free()) return scratch_.local_of[at(body)];
+      for (int k = island.num_free; k < static_cast<int>(island.bodies.size()); ++k) {
+        if (island.bodies[at(k)].index == body) return k;
       }
       island.bodies.push_back(bodies_[at(body)]);
       return static_cast<int>(island.bodies.size()) - 1;
@@ -369,15 +405,7 @@ std::vector<Island> SurfaceContacts::make_islands(double time) const {
     local.a = local_index(pair.a);
     local.b = local_index(pair.b);
     local.factor = factor_of_law_[materials_.at(material_[at(pair.a)], material_[at(pair.b)])];
-    island.pairs.push_back(std::move(local));
   }
-  for (const Tether& tether : tethers_) {
-    Tether local = tether;
-    local.a = local_of[at(tether.a)];
-    if (tether.b >= 0) local.b = local_of[at(tether.b)];
-    islands[at(island_of[at(tether.a)])].tethers.push_back(local);
-  }
-  return islands;
 }
 
 void SurfaceContacts::take_parameters(const World& world) {
@@ -395,33 +423,29 @@ void SurfaceContacts::advance(Island& island, double end) const {
   advance_island(island, end, settings);
 }
 
-/// All islands at `end` (s). Taken again with wider bounds until no body left its own unseen.
-std::vector<Island> SurfaceContacts::advance_islands(World& world, double end) {
-  std::vector<Island> islands;
-  std::vector<BodyState> after;
+/// Takes all islands to `end` (s); again with wider bounds until no body left its own unseen.
+void SurfaceContacts::advance_islands(World& world, double end) {
   for (int take = 0; take < kMostRetakes; ++take) {
-    islands = make_islands(world.time);
-    const int num_islands = static_cast<int>(islands.size());
-    world.pool->run_ranges(num_islands, 1, [&](int begin, int last) {
-      for (int i = begin; i < last; ++i) advance(islands[at(i)], end);
+    make_islands(world.time);
+    world.pool->run_ranges(static_cast<int>(islands_.size()), 1, [&](int begin, int last) {
+      for (int i = begin; i < last; ++i) advance(islands_[at(i)], end);
     });
-    after.clear();
-    for (const Island& island : islands) {
-      after.insert(after.end(), island.bodies.begin(), island.bodies.begin() + island.num_free);
-    }
-    if (!add_missed_pairs(after)) break;
+    if (!add_missed_pairs()) break;
   }
-  return islands;
 }
 
 /// Takes bodies, pairs and tethers back from the islands; pairs in order of their keys.
-void SurfaceContacts::take_back(std::vector<Island>& islands, double time) {
-  pairs_.clear();
-  for (Island& island : islands) {
+void SurfaceContacts::take_back(double time) {
+  std::size_t num_pairs = 0;
+  for (const Island& island : islands_) num_pairs += island.pairs.size();
+  pairs_.resize(num_pairs);
+  auto next = pairs_.begin();
+  for (Island& island : islands_) {
     for (int i = 0; i < island.num_free; ++i) {
       bodies_[at(island.bodies[at(i)].index)] = island.bodies[at(i)];
     }
-    for (LocalPair& local : island.pairs) pairs_.push_back(std::move(local.pair));
+    // Swapped, so that either side keeps memory for points.
+    for (LocalPair& local : island.pairs) std::swap(*next++, local.pair);
     for (const Tether& tether : island.tethers) {
       tethers_[at(tether.index)].tension = tether.tension;
       tethers_[at(tether.index)].is_taut = tether.is_taut;
@@ -439,10 +463,10 @@ void SurfaceContacts::take_back(std::vector<Island>& islands, double time) {
 }
 
 /// Adds what the islands did to the books of the run.
-StepReport SurfaceContacts::book_islands(const std::vector<Island>& islands, Balance& balance) {
+StepReport SurfaceContacts::book_islands(Balance& balance) {
   StepReport report;
   elastic_energy_ = 0;
-  for (const Island& island : islands) {
+  for (const Island& island : islands_) {
     const IslandBooks& books = island.books;
     balance.damping_work += books.damping_work;
     balance.friction_work += books.friction_work;
@@ -475,11 +499,12 @@ StepReport SurfaceContacts::book_islands(const std::vector<Island>& islands, Bal
   return report;
 }
 
-/// The islands' contact events as the world names them: bodies in order, planes apart; by time.
-std::vector<ContactEvent> SurfaceContacts::events_of(const std::vector<Island>& islands) const {
+/// Sets `events` to the islands' contact events as the world names them: bodies in order, planes
+/// apart; by time.
+void SurfaceContacts::take_events(std::vector<ContactEvent>& events) const {
   const int num_bodies = static_cast<int>(paths_.size());
-  std::vector<ContactEvent> events;
-  for (const Island& island : islands) {
+  events.clear();
+  for (const Island& island : islands_) {
     for (ContactEvent event : island.books.events) {
       if (event.body_b >= num_bodies) {
         event.plane = event.body_b - num_bodies;
@@ -494,7 +519,6 @@ std::vector<ContactEvent> SurfaceContacts::events_of(const std::vector<Island>& 
     return std::tuple(x.time, x.body_a, x.body_b, x.plane, x.change) <
            std::tuple(y.time, y.body_a, y.body_b, y.plane, y.change);
   });
-  return events;
 }
 
 StepReport SurfaceContacts::step(World& world) {
@@ -505,10 +529,10 @@ StepReport SurfaceContacts::step(World& world) {
   bounds_.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) bounds_[i] = bounds_over(bodies_[i], duration);
   add_pairs();
-  std::vector<Island> islands = advance_islands(world, end);
-  StepReport report = book_islands(islands, world.balance);
-  world.contacts.events = events_of(islands);
-  take_back(islands, end);
+  advance_islands(world, end);
+  StepReport report = book_islands(world.balance);
+  take_events(world.contacts.events);
+  take_back(end);
   world.halted = report.nonfinite_body >= 0;
   if (world.halted) return report;
   store_bodies(world);

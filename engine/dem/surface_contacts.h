@@ -48,18 +48,26 @@ class SurfaceContacts {
   struct Bounds {
     Eigen::Vector3d low, high;  // m
   };
+  /// Kept for its memory alone: a frame like the last one allocates nothing.
+  struct Scratch {
+    std::vector<std::uint64_t> keys;                // of pairs
+    std::vector<int> order;                         // of bodies in a sweep
+    std::vector<int> parents, island_of, local_of;  // [B + P]
+    std::vector<std::size_t> num_pairs;             // of each island
+  };
   void load_bodies(const World& world);
   void store_bodies(World& world) const;
   Bounds bounds_over(const BodyState& body, double duration) const;
   PairLaw law_of(int a, int b) const;
   void add_pairs();
-  bool add_missed_pairs(const std::vector<BodyState>& after);
-  std::vector<Island> make_islands(double time) const;
+  bool add_missed_pairs();
+  void make_islands(double time);
+  void add_pairs_to_islands();
   void advance(Island& island, double end) const;
-  std::vector<Island> advance_islands(World& world, double end);
-  void take_back(std::vector<Island>& islands, double time);
-  StepReport book_islands(const std::vector<Island>& islands, Balance& balance);
-  std::vector<ContactEvent> events_of(const std::vector<Island>& islands) const;
+  void advance_islands(World& world, double end);
+  void take_back(double time);
+  StepReport book_islands(Balance& balance);
+  void take_events(std::vector<ContactEvent>& events) const;
 
   ContactSettings settings_;
   Chosen chosen_;
@@ -70,8 +78,10 @@ class SurfaceContacts {
   std::vector<std::vector<DragPatch>> drag_patches_;  // [B]
   std::vector<BodyState> bodies_;                     // [B + P], at the start of the frame
   std::vector<Tether> tethers_;                       // between bodies of bodies_
-  std::vector<ContactPair> pairs_;     // in order of their keys, at the start of the frame
-  std::vector<Bounds> bounds_;         // [B + P], over the frame
+  std::vector<ContactPair> pairs_;  // in order of their keys, at the start of the frame
+  std::vector<Bounds> bounds_;      // [B + P], over the frame
+  std::vector<Island> islands_;     // of the frame
+  Scratch scratch_;
   std::vector<double> factor_of_law_;  // [M * M] calibrated damping of each pair of materials
   double elastic_energy_ = 0, least_step_ = 0, energy_rise_ = 0, anchor_creep_ = 0,
          implicit_work_ = 0, correction_work_ = 0;
