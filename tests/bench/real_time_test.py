@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from verisim.bench.chart.page import body_words
+from verisim.bench.chart.page import body_words, milliseconds
 from verisim.bench.chart.real_time import crossing
 
 
@@ -26,3 +26,8 @@ def test_nothing_is_read_off_beyond_the_piles() -> None:
         "not drawn here",
         "1200",
     ]
+
+
+def test_times_of_a_frame_are_read_without_exponents() -> None:
+    found = [milliseconds(s) for s in (None, math.inf, 7.32e-5, 0.333, 1.07)]
+    assert found == ["–", "–", "0.0732", "333", "1070"]

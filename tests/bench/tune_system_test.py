@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from ruamel.yaml import YAML
 
 from verisim import engine
 from verisim.bench.chart.write_physics import with_physics
@@ -111,6 +112,15 @@ def test_wrong_use_is_refused_with_what_is_allowed(tmp_path: Path, tune: Tune) -
     (tmp_path / "blind.yaml").write_text(SCENE[: SCENE.index("camera")])
     blind = tune("blind.yaml", "--max-overlap-px", 1)
     assert blind.returncode == 2 and "needs a camera" in blind.stderr
+
+
+def test_a_scene_in_braces_gets_physics_too() -> None:
+    values = {"physics.dt_s": 0.1, "physics.method": "dem"}
+    added = with_physics('{\n "name": "a"\n}\n', values)
+    assert json.loads(added) == {"physics": {"dt_s": 0.1, "method": "dem"}, "name": "a"}
+    changed = with_physics('{"name": "a", "physics": {"dt_s": 1, "substeps": 5}}\n', values)
+    found = YAML(typ="safe").load(changed)["physics"]
+    assert found == {"dt_s": 0.1, "substeps": 5, "method": "dem"}
 
 
 @pytest.mark.parametrize(

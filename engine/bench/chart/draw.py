@@ -97,7 +97,7 @@ def draw_chart(
         )  # fmt: skip
         rails = _scales(axes, points)
         titles: dict[str, str] = {}
-        _draw_fronts(axes, points, symbols)
+        _draw_fronts(axes, points, symbols, rails)
         for number, point in enumerate(points):
             titles[f"point{number}"] = point_words(point)
             _draw_point(axes, point, symbols[point.method], rails, f"point{number}")
@@ -165,28 +165,39 @@ def _draw_point(axes: Axes, point: Point, look: Look, rails: Rails, gid: str) ->
     )  # fmt: skip
 
 
-def _draw_fronts(axes: Axes, points: Sequence[Point], symbols: dict[str, Look]) -> None:
+def _draw_fronts(
+    axes: Axes, points: Sequence[Point], symbols: dict[str, Look], rails: Rails
+) -> None:
     """Each contestant's own front in its colour, the front of all as a broad band behind."""
-    _step(axes, front(points), "#c9d3dc", 6.0, "-", 1.0)
+    _step(axes, _corners(front(points), rails), "#c9d3dc", 6.0, "-", 1.0)
     for method, look in symbols.items():
         own = front([point for point in points if point.method == method])
-        _step(axes, own, look.color, 1.4, "-" if method in OURS else (0, (3, 2)), 2.0)
+        line = "-" if method in OURS else (0, (3, 2))
+        _step(axes, _corners(own, rails), look.color, 1.4, line, 2.0)
     for point in ties(points):
         axes.plot(
-            [point.cost], [max(point.error, EXACT)], marker="o", ms=13, mfc="none",
+            [point.cost], [_height(point, rails)], marker="o", ms=13, mfc="none",
             mec=style.MUTED, mew=0.8, ls="none", zorder=2,
         )  # fmt: skip
 
 
+def _corners(on: Sequence[Point], rails: Rails) -> list[tuple[float, float]]:
+    return [(point.cost, _height(point, rails)) for point in on]
+
+
 def _step(
-    axes: Axes, on: Sequence[Point], color: str, width: float, line: object, order: float
+    axes: Axes,
+    corners: Sequence[tuple[float, float]],
+    color: str,
+    width: float,
+    line: object,
+    order: float,
 ) -> None:
-    if not on:
+    if not corners:
         return
-    low, high = axes.get_ylim()
-    right = axes.get_xlim()[1]
-    x = [point.cost for point in on] + [right]
-    y = [float(np.clip(point.error, low, high)) for point in on]
+    high = axes.get_ylim()[1]
+    x = [cost for cost, _ in corners] + [axes.get_xlim()[1]]
+    y = [height for _, height in corners]
     axes.step(x, [*y, y[-1]], where="post", color=color, lw=width, ls=line, zorder=order)
     axes.plot([x[0], x[0]], [y[0], high], color=color, lw=width, ls=line, zorder=order, alpha=0.35)
 

@@ -88,7 +88,9 @@ def write_real_time_page(
 
 
 def milliseconds(seconds: float | None) -> str:
-    return "–" if seconds is None or math.isinf(seconds) else f"{1e3 * seconds:.3g}"
+    if seconds is None or math.isinf(seconds):
+        return "–"
+    return f"{1e3 * seconds:.0f}" if seconds >= 1 else f"{1e3 * seconds:.3g}"
 
 
 def body_words(count: float | None) -> str:

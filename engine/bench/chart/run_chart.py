@@ -312,11 +312,11 @@ def _show(directory: Path, charts: Sequence[Charted], quick: bool, session: Sess
         "runs": session.num_run + session.num_kept,
     }
     write_whole(directory / "run_log.json", json.dumps(facts, indent=2) + "\n")
-    points = written_points(directory, all_scenes())
-    lines = growths(points)
+    written = written_points(directory, all_scenes())
+    lines = growths(written)
     overview = Overview(
-        targets(points),
-        comparisons(points),
+        targets(written),
+        comparisons(written),
         lines,
         draw_growth(lines, figures).svg if lines else "",
     )

@@ -152,13 +152,13 @@ def stack_scenes() -> list[BenchScene]:
             (
                 Measure(
                     "angular_momentum_error_rel",
-                    "largest change of angular momentum (relative)",
+                    "change of angular momentum (relative)",
                     "conserved",
                     closed_system.angular_momentum_error_rel,
                 ),
                 Measure(
                     "momentum_error_rel",
-                    "largest change of momentum (relative)",
+                    "change of momentum (relative)",
                     "conserved",
                     closed_system.momentum_error_rel,
                 ),

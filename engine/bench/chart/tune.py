@@ -21,8 +21,10 @@ from verisim.bench.problems import BenchError
 from verisim.stimuli.trajectory_error import free_bodies, trajectory_error
 
 FRAME_HEIGHT_PX = 720  # of the stimulus profile
-REPEATS = 5  # of settings that may be the cheapest
-NEAR = 1.5  # times the cheapest: what is run again before one is chosen
+REPEATS = (5, 40)  # of settings that may be the cheapest: at least, at most
+ENOUGH_S = 0.2  # CPU time of a setting's runs, which ends the repeats
+NEAR = 2.0  # times the cheapest: what is run again before one is chosen
+COLD_S = 0.01  # CPU time of a run that its first time tells little of: all such are run again
 REFERENCE_LIMIT_S = 600.0
 LEAST_LIMIT_S = 5.0  # CPU time that any setting may take
 LIMIT_FACTOR = 20.0  # times the cheapest run that meets the bound
@@ -180,6 +182,7 @@ class _Session:
     def __init__(self, scene: Path, document: dict[str, Any], bound: Bound) -> None:
         self.scene, self.document, self.bound = scene, document, bound
         self.free = free_bodies(engine.load_scene(scene).resolved_yaml)
+        self.duration_s = float(document["duration_s"])
         self.reference: Any = None
         self.cheapest_s = math.inf  # CPU time of the cheapest run that meets the bound
 
@@ -257,8 +260,11 @@ def _repeat(session: _Session, candidates: Sequence[Candidate], bound: Bound) ->
     if not meeting:
         return
     least = min(candidate.cost for candidate in meeting)
-    close = [candidate for candidate in meeting if candidate.cost <= NEAR * least]
-    for _ in range(REPEATS - 1):
+    cold = COLD_S / session.duration_s
+    close = [candidate for candidate in meeting if candidate.cost <= max(NEAR * least, cold)]
+    few, many = REPEATS
+    rounds = int(ENOUGH_S / max(least * session.duration_s, 1e-6))
+    for _ in range(min(max(rounds, few), many) - 1):
         for candidate in close:
             session.run(candidate)
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -33,6 +34,8 @@ def write_physics(file: Path, overrides: Mapping[str, Any]) -> None:
 def with_physics(text: str, overrides: Mapping[str, Any]) -> str:
     """The scene's text with these values in its `physics` block, added if there is none."""
     values = {key.removeprefix(PREFIX): value for key, value in overrides.items()}
+    if text.lstrip().startswith("{"):
+        return _with_physics_in_braces(text, values)
     yaml = YAML()
     yaml.width = 4096
     document = yaml.load(text)
@@ -52,6 +55,19 @@ def with_physics(text: str, overrides: Mapping[str, Any]) -> str:
         block["physics"] = CommentedMap()
     block["physics"].update(values)
     return "".join(lines[:first]) + _dumped(yaml, block) + "".join(lines[last:])
+
+
+def _with_physics_in_braces(text: str, values: Mapping[str, Any]) -> str:
+    """The same for JSON, and for YAML in braces: without physics it gets some before all else."""
+    yaml = YAML()
+    yaml.width = 4096
+    document = yaml.load(text)
+    if "physics" not in document:
+        start = text.index("{") + 1
+        more = "," if document else ""
+        return f'{text[:start]}\n "physics": {json.dumps(values)}{more}{text[start:]}'
+    document["physics"].update(values)
+    return _dumped(yaml, document)
 
 
 def _dumped(yaml: YAML, block: CommentedMap) -> str:
