@@ -29,7 +29,7 @@ def points(method: str, *pairs: tuple[float, float], failed: str = "") -> list[P
 
 
 def judged(scene: str, found: Points) -> list[Target]:
-    return [target for target in targets(found) if target.scene == scene]
+    return [target for target in targets(found, []) if target.scene == scene]
 
 
 def bounce(*some: list[Point]) -> Target:
@@ -40,7 +40,7 @@ def bounce(*some: list[Point]) -> Target:
 
 
 def test_nothing_is_judged_without_other_engines_or_without_runs() -> None:
-    assert {target.verdict for target in targets({})} == {"not measured"}
+    assert {target.verdict for target in targets({}, [])} == {"not measured"}
     assert bounce(points("dem", (1e-5, 1))).verdict == "not measured"
     assert bounce(points("rapier-stiff", (1e-5, 1))).verdict == "not measured"
 
@@ -142,6 +142,27 @@ def test_growth_takes_the_setting_of_most_piles_and_fits_a_power() -> None:
     (line,) = growths(found)
     assert (line.setting, list(line.costs)) == ("1/30", [250, 1000, 4000])
     assert line.exponent == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    ("falling", "lying", "failed", "verdict"),
+    [
+        (0.016, 0.001, "", "met"),
+        (0.017, 0.001, "", "not met"),
+        (0.001, 0.017, "", "not met"),
+        (0.001, 0.001, "not done after 60 CPU s", "not met"),
+    ],
+)
+def test_a_hundred_meshes_are_to_fall_and_lie_in_real_time(
+    falling: float, lying: float, failed: str, verdict: str
+) -> None:
+    row = {"method": "dem", "shape": "stones", "bodies": "100", "points": "15000"}
+    row |= {"frame_s": str(falling), "rest_frame_s": str(lying), "failed": failed}
+    others = [row | {"method": "xpbd"}, row | {"bodies": "36"}, row | {"shape": "boxes"}]
+    assert targets({}, others)[-1].verdict == "not measured"
+    found = targets({}, [*others, row])[-1]
+    assert found.verdict == verdict
+    assert failed or "150 surface samples each" in found.measured
 
 
 def table(scene_key: str, *rows: dict[str, Any]) -> str:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from verisim import engine
 from verisim.bench.chart.generated import EDGE_M, STONE, loose_stones, stacked_pile, stone_mesh
 from verisim.bench.chart.ladder import Ladder
-from verisim.bench.files import only_bench, table_text, write_whole
+from verisim.bench.files import only_bench, table_text, whole_rows, write_whole
 from verisim.stimuli.cost import machine
 from verisim.stimuli.engine_build import engine_build
 
@@ -52,6 +52,15 @@ class Crowd:
     median_frame_s: float
     draw_s: float | None  # wall time of drawing and encoding a frame; None: no OpenGL here
     failed: str
+
+
+TABLE = "real_time.csv"
+COLUMNS = tuple(field.name for field in fields(Crowd))
+
+
+def crowd_rows(directory: Path) -> list[dict[str, str]]:
+    """What an earlier call wrote there."""
+    return whole_rows(directory / TABLE, COLUMNS)
 
 
 @dataclass(frozen=True)
@@ -111,8 +120,7 @@ def run_real_time(
             for rate in RATES_HZ
             if (answer := _answer(ladder.key, shape, rate, crowds))
         ]
-        columns = [field.name for field in fields(Crowd)]
-        write_whole(directory / "real_time.csv", table_text(columns, map(asdict, crowds)))
+        write_whole(directory / TABLE, table_text(COLUMNS, map(asdict, crowds)))
         page = _show(directory, crowds, answers)
     return RealTime(directory, page, crowds, answers)
 

@@ -18,6 +18,7 @@ from verisim.bench.chart.contestants import Entry, choose_peers, own_entries, pe
 from verisim.bench.chart.front import Point
 from verisim.bench.chart.growth import growths
 from verisim.bench.chart.ladder import LADDERS, Ladder
+from verisim.bench.chart.real_time import crowd_rows
 from verisim.bench.chart.run_trial import HOPELESS, Task, run_trial
 from verisim.bench.chart.tables import RunTable, inputs_hash, own_value, peers_hash, point_of
 from verisim.bench.chart.targets import targets
@@ -315,7 +316,7 @@ def _show(directory: Path, charts: Sequence[Charted], quick: bool, session: Sess
     written = written_points(directory, all_scenes())
     lines = growths(written)
     overview = Overview(
-        targets(written),
+        targets(written, crowd_rows(directory)),
         comparisons(written),
         lines,
         draw_growth(lines, figures).svg if lines else "",

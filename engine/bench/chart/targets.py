@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
@@ -38,6 +38,7 @@ EXACT_FOR_OTHERS = {
 LEVELS = (1e-2, 1e-3, 1e-4)  # of error
 EXACT, ALLOWED = 1e-5, 1e-3  # what an engine that is exact by construction reaches; what we may err
 OURS = tuple(ladder.key for ladder in LADDERS)
+REAL_TIME, CROWD = "real_time", 100
 MEAN, DEEPEST = "mean_depth_m", "deepest_m"
 
 
@@ -77,14 +78,15 @@ PILES = (
 ON_THE_FRONT = ("tumbled_100", "pile_4000", "stones_100")
 
 
-def targets(points: Points) -> list[Target]:
-    """Every target that the chart can judge."""
+def targets(points: Points, crowds: Sequence[Mapping[str, str]]) -> list[Target]:
+    """Every target that the tables of charts, and of bodies in real time, can judge."""
     return [
         *(_few_bodies(scene, points.get((scene, key), [])) for scene, key in FEW_BODIES.items()),
         *(_exact(scene, points.get((scene, key), [])) for scene, key in EXACT_FOR_OTHERS.items()),
         *(_pile(against, points) for against in PILES),
         *(_on_front(scene, points.get((scene, MEAN), [])) for scene in ON_THE_FRONT),
         *(_over_seed(scene, points) for scene in SCENES),
+        _in_real_time(crowds),
     ]
 
 
@@ -215,6 +217,25 @@ def _over_seed(scene: str, points: Points) -> Target:
         words = f"{worst.ratio:.2g} times less than {_at(worst.seed)}"
     verdict: Verdict = "met" if worst.ratio >= LEAST_RATIO else "not met"
     return Target(scene, asked, words, verdict)
+
+
+# Real time.
+
+
+def _in_real_time(crowds: Sequence[Mapping[str, str]]) -> Target:
+    asked = f"{CROWD} meshes fall and lie within a sixtieth of a second a frame, drawing off"
+    own = [row for row in crowds if (row["method"], row["shape"]) == ("dem", "stones")]
+    found = next((row for row in own if int(row["bodies"]) == CROWD), None)
+    if found is None:
+        return Target(REAL_TIME, asked, "", "not measured")
+    if found["failed"]:
+        return Target(REAL_TIME, asked, found["failed"], "not met")
+    falling, lying = float(found["frame_s"]), float(found["rest_frame_s"])
+    words = (
+        f"dem: {1e3 * falling:.3g} ms a frame, at rest {1e3 * lying:.3g} ms, "
+        f"{int(found['points']) // CROWD} surface samples each"
+    )
+    return Target(REAL_TIME, asked, words, "met" if max(falling, lying) <= 1 / 60 else "not met")
 
 
 def _sides(points: Sequence[Point]) -> tuple[list[Point], list[Point]]:
