@@ -21,11 +21,10 @@ double dot(const std::vector<Vector6>& x, const std::vector<Vector6>& y) {
 }
 
 /// Positions of the bodies in an order of little fill.
-std::vector<int> minimum_degree_order(const BlockMatrix& matrix) {
-  const int n = matrix.size();
+std::vector<int> minimum_degree_order(int n, const std::vector<BlockMatrix::Edge>& edges) {
   std::vector<Eigen::Triplet<double>> entries;
   for (int i = 0; i < n; ++i) entries.emplace_back(i, i, 1.0);
-  for (const BlockMatrix::Edge& edge : matrix.edges) {
+  for (const BlockMatrix::Edge& edge : edges) {
     entries.emplace_back(edge.row, edge.column, 1.0);
     entries.emplace_back(edge.column, edge.row, 1.0);
   }
@@ -108,13 +107,52 @@ void BlockMatrix::multiply(const std::vector<Vector6>& x, std::vector<Vector6>& 
   }
 }
 
+void BlockCholesky::start_series() { is_first_ = true; }
+
 void BlockCholesky::analyse(const BlockMatrix& matrix) {
-  const int n = matrix.size();
-  place_ = minimum_degree_order(matrix);
+  bool is_covered = !is_first_;
+  for (std::size_t e = 0; e < matrix.edges.size() && is_covered; ++e) {
+    is_covered = block_of_edge_[e] >= 0 || matrix.off[e].isZero(0);
+  }
+  if (is_covered) return;
+  std::vector<BlockMatrix::Edge> edges;
+  for (std::size_t e = 0; e < matrix.edges.size(); ++e) {
+    const bool is_known = !is_first_ && block_of_edge_[e] >= 0;
+    if (is_known || !matrix.off[e].isZero(0)) edges.push_back(matrix.edges[e]);
+  }
+  std::sort(edges.begin(), edges.end());
+  is_first_ = false;
+  if (static_cast<int>(place_.size()) != matrix.size() || edges != edges_) {
+    edges_ = edges;
+    find_order(matrix.size());
+  }
+  locate(matrix);
+}
+
+int BlockCholesky::block_at(int row, int column) const {
+  const BlockFactor::Column& c = columns_[at(column)];
+  const auto begin = rows_.begin() + c.first;
+  return static_cast<int>(std::lower_bound(begin, begin + c.count, row) - rows_.begin());
+}
+
+/// Where the matrix's edges lie in the factor.
+void BlockCholesky::locate(const BlockMatrix& matrix) {
+  block_of_edge_.clear();
+  edge_is_transposed_.clear();
+  for (const BlockMatrix::Edge& edge : matrix.edges) {
+    const int i = place_[at(edge.row)], j = place_[at(edge.column)];
+    const bool is_covered = std::binary_search(edges_.begin(), edges_.end(), edge);
+    block_of_edge_.push_back(is_covered ? block_at(std::max(i, j), std::min(i, j)) : -1);
+    edge_is_transposed_.push_back(i < j);
+  }
+}
+
+void BlockCholesky::find_order(int n) {
+  place_ = minimum_degree_order(n, edges_);
   body_.resize(at(n));
   for (int b = 0; b < n; ++b) body_[at(place_[at(b)])] = b;
   std::vector<std::set<int>> rows(at(n));  // per column, positions below the diagonal
-  for (const BlockMatrix::Edge& edge : matrix.edges) {
+  for (const BlockMatrix::Edge& edge : edges_) {
     const int i = place_[at(edge.row)], j = place_[at(edge.column)];
     rows[at(std::min(i, j))].insert(std::max(i, j));
   }
@@ -132,11 +170,6 @@ void BlockCholesky::analyse(const BlockMatrix& matrix) {
   }
   blocks_.resize(rows_.size());
   diagonal_.resize(at(n));
-  const auto block_at = [&](int row, int column) {
-    const BlockFactor::Column& c = columns_[at(column)];
-    const auto begin = rows_.begin() + c.first;
-    return static_cast<int>(std::lower_bound(begin, begin + c.count, row) - rows_.begin());
-  };
   targets_.clear();
   num_block_products_ = n;
   for (int j = 0; j < n; ++j) {
@@ -151,13 +184,6 @@ void BlockCholesky::analyse(const BlockMatrix& matrix) {
     }
   }
   num_block_products_ += static_cast<double>(targets_.size());
-  block_of_edge_.clear();
-  edge_is_transposed_.clear();
-  for (const BlockMatrix::Edge& edge : matrix.edges) {
-    const int i = place_[at(edge.row)], j = place_[at(edge.column)];
-    block_of_edge_.push_back(block_at(std::max(i, j), std::min(i, j)));
-    edge_is_transposed_.push_back(i < j);
-  }
 }
 
 BlockFactor BlockCholesky::view() {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
 #include <vector>
 
 namespace verisim::dem {
@@ -14,7 +15,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 struct BlockMatrix {
   struct Edge {
     int row, column;
-    bool operator==(const Edge&) const = default;
+    auto operator<=>(const Edge&) const = default;
   };
   std::vector<Matrix6> diagonal;  // [N]
   std::vector<Edge> edges;        // [E] unique
@@ -42,15 +43,23 @@ struct BlockFactor {
 /// Sparse block Cholesky factorisation A = L L^T with a fill-reducing (minimum degree) order.
 class BlockCholesky {
  public:
-  /// Fixes the order and the fill for the matrix's edges. Cost grows with the fill.
+  /// Matrices that follow have the same edges as each other. Order and fill depend on nothing that
+  /// came before.
+  void start_series();
+  /// Makes order and fill cover all blocks of the series so far that were not zero.
   void analyse(const BlockMatrix& matrix);
-  /// Multiplications of 6x6 blocks that one factorisation takes.
+  /// Multiplications of 6x6 blocks that one factorisation takes at most.
   double num_block_products() const { return num_block_products_; }
+  /// Edges that order and fill cover.
+  std::size_t num_edges() const { return edges_.size(); }
   void factorise(const BlockMatrix& matrix);
   /// x = A^-1 b; b and x may be the same.
   void solve(const std::vector<Vector6>& b, std::vector<Vector6>& x);
 
  private:
+  void find_order(int size);
+  void locate(const BlockMatrix& matrix);
+  int block_at(int row, int column) const;
   BlockFactor view();
   std::vector<int> place_;  // [N] position of a body in the order
   std::vector<int> body_;   // [N] and back
@@ -60,7 +69,9 @@ class BlockCholesky {
   std::vector<char> is_filled_;
   std::vector<Matrix6> diagonal_;
   std::vector<int> targets_;
-  std::vector<int> block_of_edge_;        // [E]
+  bool is_first_ = true;                  // of a series
+  std::vector<BlockMatrix::Edge> edges_;  // covered, in rising order
+  std::vector<int> block_of_edge_;        // [E] of the matrix; -1: not covered
   std::vector<bool> edge_is_transposed_;  // [E]
   double num_block_products_ = 0;
   std::vector<Vector6> work_;

@@ -40,7 +40,7 @@ constexpr double kCalm = 0.1;
 // A friction this close to its bound is at it: rounding may leave it just below.
 constexpr double kAtBound = 1e-9;
 // Block products of a factorisation, per edge, above which gradients are cheaper.
-constexpr double kMostFill = 60;
+constexpr double kMostFill = 200;
 constexpr double kTightResidual = 1e-9, kLooseResidual = 1e-6;
 constexpr int kManyBodies = 300;
 
@@ -92,7 +92,7 @@ void RestProblem::set_up(Island& island, double duration, const ContactSettings&
   matrix_.diagonal.resize(n);
   matrix_.off.resize(matrix_.edges.size());
   is_first_ = true;
-  is_analysed_ = is_analysed_ && analysed_size_ == n && analysed_edges_ == matrix_.edges;
+  cholesky_.start_series();
   v_ = start_;
   refresh_rows(settings);
 }
@@ -133,14 +133,9 @@ void RestProblem::assemble(double sliding_share) {
     matrix_.diagonal[i].bottomRightCorner<3, 3>() = inertia_[i];
   }
   loops_.add_stiffness(sliding_share, matrix_);
-  if (!is_analysed_) {
-    cholesky_.analyse(matrix_);
-    const double num_edges = static_cast<double>(matrix_.edges.size() + matrix_.diagonal.size());
-    is_direct_ = cholesky_.num_block_products() < kMostFill * num_edges;
-    is_analysed_ = true;
-    analysed_size_ = matrix_.diagonal.size();
-    analysed_edges_ = matrix_.edges;
-  }
+  cholesky_.analyse(matrix_);
+  const double num_blocks = static_cast<double>(cholesky_.num_edges() + matrix_.diagonal.size());
+  is_direct_ = cholesky_.num_block_products() < kMostFill * num_blocks;
   if (is_direct_) cholesky_.factorise(matrix_);
 }
 

@@ -54,11 +54,9 @@ class RestProblem {
   BlockMatrix matrix_;
   BlockCholesky cholesky_;
   BlockGradients gradients_;
-  bool is_direct_ = true, is_analysed_ = false;
+  bool is_direct_ = true;
   bool is_first_ = true, is_moving_ = false;  // of the solves of this step
   double first_residual_ = 0;                 // of the step
-  std::vector<BlockMatrix::Edge> analysed_edges_;
-  std::size_t analysed_size_ = 0;
 };
 
 }  // namespace verisim::dem
