@@ -76,8 +76,8 @@ def continued(scene: Scene, poses: PoseLog, *, stop: bool) -> Scene:
     states = {
         "position_m": poses.position_m,
         "orientation_wxyz": poses.orientation_wxyz,
-        "velocity_m_s": poses.linear_velocity_m_s * 1,
-        "angular_velocity_rad_s": poses.angular_velocity_rad_s * 1,
+        "velocity_m_s": poses.linear_velocity_m_s * (not stop),
+        "angular_velocity_rad_s": poses.angular_velocity_rad_s * (not stop),
     }
     row_of = {name: row for row, name in enumerate(poses.names)}
     bodies = []
