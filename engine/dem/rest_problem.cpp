@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "dem/contact_tracking.h"
 #include "dem/rotation.h"
@@ -19,7 +20,10 @@ constexpr double kNormalSteps = 3;
 // A sliding contact has no stiffness along its slip. At first the matrix gives it half of what it
 // would have stuck, which finds who slides where in few steps; then the true matrix converges.
 constexpr double kSlidingShare = 0.5;
-constexpr int kCautiousSteps = 3, kCautiousStepsAgain = 1;
+// Where much moves, who slides where is found with friction that gives way at a speed first, as a
+// share of the speed that the step changes; then it hardens by this factor per Newton step.
+constexpr double kFirstSlip = 0.1, kSlipAgain = 1e-2, kHardening = 0.2, kLongStep = 0.5;
+constexpr double kWholeStep = 0.9, kShortStep = 0.2;
 constexpr int kMostNewtonSteps = 40;
 // Newton steps without halving the residual after which it counts as solved, if it is this small.
 constexpr int kStalled = 4;
@@ -30,13 +34,14 @@ constexpr double kFloor = 1e-6;
 struct Accuracy {
   double gain, bound_change;
   int most_passes;
+  double slip = 0;  // share of the speed that the step changes
 };
-constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{1e-4, 3e-2, 3};
+constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{5e-4, 3e-2, 3, 5e-3};
 // Enough to see which springs are overloaded.
-constexpr Accuracy kRough{5e-2, 5e-2, 2};
+constexpr Accuracy kRough{5e-2, 0.1, 2, 2e-2};
 // Residual at the start of a step, as a share of the weights, from where an island counts as
 // moving.
-constexpr double kCalm = 0.1;
+constexpr double kCalm = 1e-5;
 // A friction this close to its bound is at it: rounding may leave it just below.
 constexpr double kAtBound = 1e-9;
 // Block products of a factorisation, per edge, above which gradients are cheaper.
@@ -92,6 +97,7 @@ void RestProblem::set_up(Island& island, double duration, const ContactSettings&
   matrix_.diagonal.resize(n);
   matrix_.off.resize(matrix_.edges.size());
   is_first_ = true;
+  slip_speed_ = 0;
   cholesky_.start_series();
   v_ = start_;
   refresh_rows(settings);
@@ -107,7 +113,7 @@ void RestProblem::refresh_rows(const ContactSettings& settings) {
     row.bound = row.friction * row.load;
   }
   loops_.set_springs(rows_);
-  loops_.set_bounds(rows_);
+  loops_.set_bounds(rows_, slip_speed_);
 }
 
 void RestProblem::apply_mass(std::vector<Vector6>& v) const {
@@ -190,6 +196,12 @@ double RestProblem::line_search(const std::vector<Vector6>& gradient,
   return t;
 }
 
+/// Lets what sticks slip by `speed` (m/s).
+void RestProblem::soften(double speed) {
+  slip_speed_ = speed;
+  loops_.set_bounds(rows_, slip_speed_);
+}
+
 /// Rms over bodies of the gradient against the impulse of a body's weight.
 double RestProblem::scaled_residual(const std::vector<Vector6>& gradient) const {
   double sum = 0;
@@ -211,30 +223,47 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
   for (int pass = 0; pass < accuracy.most_passes; ++pass) {
     evaluate(v_, gradient);
     double residual = scaled_residual(gradient);
-    const double start = residual;
     if (is_first_) {
-      is_moving_ = start > kCalm && is_crowd(*island_);
-      first_residual_ = start;
+      is_moving_ = residual > kCalm && is_crowd(*island_);
+      first_residual_ = residual;
+    }
+    if (!is_rough && is_moving_) accuracy = kMoving;
+    const double change_of_speed = first_residual_ * gravity_ * h_;
+    const double last_slip = is_moving_ ? accuracy.slip * change_of_speed : 0;
+    if (is_moving_ && pass == 0) {
+      soften((is_first_ ? kFirstSlip : kSlipAgain) * change_of_speed);
+      evaluate(v_, gradient);
+      residual = scaled_residual(gradient);
     }
     is_first_ = false;
-    if (!is_rough && is_moving_) accuracy = kMoving;
+    const double start = residual;
     const double enough =
         std::max(tolerance, accuracy.gain * (is_moving_ ? first_residual_ : start));
-    const int cautious = pass == 0 ? kCautiousSteps : kCautiousStepsAgain;
-    outcome.converged = residual <= (pass == 0 && !is_moving_ ? tolerance : enough);
+    double share = kSlidingShare;
+    outcome.converged =
+        slip_speed_ <= last_slip && residual <= (pass == 0 && !is_moving_ ? tolerance : enough);
     double best = residual;
     best_ = v_;
     int stalled = 0;
     for (int i = 0; i < kMostNewtonSteps && !outcome.converged; ++i) {
-      assemble(i < cautious ? kSlidingShare : 1);
+      assemble(share);
       solve_linear(gradient, direction, 1e-2);
       for (Vector6& d : direction) d = -d;
       const double t = line_search(gradient, direction);
+      if (t >= kWholeStep) share = 0.5 * (1 + share);
+      if (t < kShortStep) share *= 0.5;
       for (std::size_t k = 0; k < v_.size(); ++k) v_[k] += t * direction[k];
       evaluate(v_, gradient);
-      residual = scaled_residual(gradient);
       ++outcome.newton_steps;
-      outcome.converged = residual <= enough;
+      if (slip_speed_ > last_slip && t >= kLongStep) {
+        loops_.take_forces(rows_);
+        for (RestRow& row : rows_) row.bound = row.friction * row.load;
+        soften(std::max(last_slip, kHardening * slip_speed_));
+        evaluate(v_, gradient);
+        best = std::numeric_limits<double>::infinity();
+      }
+      residual = scaled_residual(gradient);
+      outcome.converged = slip_speed_ <= last_slip && residual <= enough;
       stalled = residual > 0.5 * best ? stalled + 1 : 0;
       if (residual < best) {
         best = residual;
@@ -261,7 +290,7 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
     if (is_settled || pass + 1 == accuracy.most_passes)
       break;  // the bounds stay those of the solution
     for (RestRow& row : rows_) row.bound = row.friction * row.load;
-    loops_.set_bounds(rows_);
+    loops_.set_bounds(rows_, slip_speed_);
   }
   // The loads of the solution, put on the bodies exactly: momentum is kept to rounding.
   evaluate(v_, gradient);

@@ -80,19 +80,19 @@ struct Forces {
   Lanes load, pull[3], size;
 };
 
-/// Load and friction of four rows at relative velocities `u`. The friction is that of the spring's
-/// stretch z after the step, capped at the bound.
+/// Load and friction of four rows at relative velocities `u`. The friction is that of the spring
+/// after the step, capped at the bound.
 VERISIM_INLINE Forces forces_at(const Four& four, const Lanes* u, double h) {
   Forces f;
   const Lanes un = dot3(four.normal, u);
   f.load = positive(four.stiffness * four.compression - four.push * un);
-  Lanes z[3];
+  const Lanes per_speed = (RestRows::kTangentialSteps * h) * four.grip;
   for (int i = 0; i < 3; ++i) {
-    z[i] = four.stretch[i] + (RestRows::kTangentialSteps * h) * (u[i] - un * four.normal[i]);
+    f.pull[i] = four.shear * four.stretch[i] + per_speed * (u[i] - un * four.normal[i]);
   }
-  f.size = four.shear * root(dot3(z, z));
-  const Lanes scale = f.size > four.bound ? four.shear * (four.bound / f.size) : four.shear;
-  for (int i = 0; i < 3; ++i) f.pull[i] = scale * z[i];
+  f.size = root(dot3(f.pull, f.pull));
+  const Lanes scale = f.size > four.bound ? four.bound / f.size : all(1);
+  for (int i = 0; i < 3; ++i) f.pull[i] = scale * f.pull[i];
   return f;
 }
 
@@ -165,7 +165,7 @@ VERISIM_INLINE void differentiate_inline(const std::vector<Four>& fours, double 
     const Lanes normal = four.load > 0.0 ? h * four.push : all(0);
     const auto slides = four.size > four.bound;
     const Lanes shared = slides ? four.bound / four.size : all(1);
-    const Lanes across = four.bound > 0.0 ? scale * four.shear * shared : all(0);
+    const Lanes across = four.bound > 0.0 ? scale * four.grip * shared : all(0);
     // The pull lies along the slip, capped at the bound.
     const Lanes length = root(dot3(four.pull, four.pull));
     const Lanes along = (slides & (length > 0.0)) ? share * across / (length * length) : all(0);
@@ -303,8 +303,16 @@ void RestRows::set_springs(const std::vector<RestRow>& rows) {
   }
 }
 
-void RestRows::set_bounds(const std::vector<RestRow>& rows) {
-  for (std::size_t r = 0; r < rows.size(); ++r) fours_[r / 4].bound[r % 4] = rows[r].bound;
+void RestRows::set_bounds(const std::vector<RestRow>& rows, double slip_speed) {
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    Four& four = fours_[r / 4];
+    const std::size_t lane = r % 4;
+    four.bound[lane] = rows[r].bound;
+    four.grip[lane] = rows[r].shear;
+    if (slip_speed <= 0) continue;
+    const double softened = rows[r].bound / (kTangentialSteps * h_ * slip_speed);
+    four.grip[lane] = std::min(rows[r].shear, softened);
+  }
 }
 
 void RestRows::take_forces(std::vector<RestRow>& rows) const {
@@ -312,6 +320,7 @@ void RestRows::take_forces(std::vector<RestRow>& rows) const {
     const Four& four = fours_[r / 4];
     const std::size_t lane = r % 4;
     rows[r].load = four.load[lane];
+    rows[r].is_softened = four.grip[lane] < four.shear[lane];
     rows[r].tangential = {-four.pull[0][lane], -four.pull[1][lane], -four.pull[2][lane]};
   }
 }

@@ -28,6 +28,7 @@ struct RestRow {
   double bound = 0;                                   // N, of the friction in this pass
   double load = 0;                                    // N, normal, at the solution
   Eigen::Vector3d tangential = Eigen::Vector3d::Zero();  // N, friction on a, at the solution
+  bool is_softened = false;                              // what sticks may slip
 };
 
 /// Relative velocity (m/s) at a row for velocities and spins of the free bodies.
@@ -41,7 +42,9 @@ class RestRows {
 
   void set_places(const std::vector<RestRow>& rows, std::size_t num_bodies, double duration);
   void set_springs(const std::vector<RestRow>& rows);
-  void set_bounds(const std::vector<RestRow>& rows);
+  /// Sets the bounds of friction. What sticks may slip by `slip_speed` (m/s) before it reaches its
+  /// bound: at 0 only as its spring gives way.
+  void set_bounds(const std::vector<RestRow>& rows, double slip_speed);
   /// Loads and tangential forces of the last evaluation.
   void take_forces(std::vector<RestRow>& rows) const;
 
@@ -60,10 +63,11 @@ class RestRows {
   /// Four rows; what is beyond the last is zero and belongs to no body.
   struct Four {
     Lanes normal[3], arm_a[3], arm_b[3], given[3], stretch[3];
-    Lanes base_arm[3];                                 // of a where a is free, else of b
-    Lanes compression, stiffness, push, shear, bound;  // push: of velocity on the load, N s/m
-    Lanes u[3], du[3];                                 // m/s
-    Lanes load, pull[3], size;                         // N; size of the spring's pull, uncapped
+    Lanes base_arm[3];                   // of a where a is free, else of b
+    Lanes compression, stiffness, push;  // push: of velocity on the load, N s/m
+    Lanes shear, grip, bound;            // grip: the shear stiffness that velocities meet, N/m
+    Lanes u[3], du[3];                   // m/s
+    Lanes load, pull[3], size;           // N; size of the spring's pull, uncapped
     std::array<int, 4> a, b;
   };
   /// Second derivatives of a row at the arm from its base body: force over displacement, the same

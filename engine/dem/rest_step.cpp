@@ -198,8 +198,9 @@ double move(RestProblem& problem, Island& island, double h, const ContactSetting
     aimed_at += stored;
     books.damping_work -= h * row.load * n.dot(u_mean) + stored - was_stored;
     Vector3d stretch = row.stretch + h * (u_end - n.dot(u_end) * n);
-    const double limit =
+    double limit =
         std::min(row.bound, row.friction * row.stiffness * std::max(0.0, after)) / row.shear;
+    if (row.is_softened) limit = std::min(limit, row.tangential.norm() / row.shear);
     if (stretch.norm() > limit) {
       stretch *= limit / stretch.norm();
       row.point->has_slid = true;
