@@ -15,8 +15,6 @@ namespace {
 
 // An island in impact rests again when all is slower than this share of the least impact.
 constexpr double kCalm = 0.5;
-// Pairs with less restitution rebound out of sight: their impacts are steps like any other.
-constexpr double kPlastic = 0.05;
 // Explicit steps between two looks at whether an island has come to rest.
 constexpr int kStepsBetweenLooks = 16;
 // Gap error of one implicit step, in depths of rest, that turning bodies may make.
@@ -71,7 +69,7 @@ double impact_speed(LocalPair& local, Island& island, double duration,
 
 bool has_impact(Island& island, double duration, double speed, const ContactSettings& settings) {
   for (LocalPair& local : island.pairs) {
-    if (local.pair.law.restitution < kPlastic) continue;
+    if (!has_stepped_impacts(island, local.pair.law)) continue;
     if (impact_speed(local, island, duration, settings) > speed) return true;
   }
   return false;
@@ -123,7 +121,8 @@ void advance_at_rest(Island& island, double end, double impact_at,
   double longest = frame;
   while (end - island.time > on_time) {
     const double remaining = end - island.time;
-    if (!has_contact(island) || has_impact(island, remaining, impact_at, settings)) return;
+    const bool is_flying = !has_contact(island) && !is_crowd(island);
+    if (is_flying || has_impact(island, remaining, impact_at, settings)) return;
     double step = std::min({remaining, longest, straight_step(island, settings)});
     if (settings.wind) step = wind_step(island, *settings.wind, settings.gravity, step);
     // Equal steps to the end.
@@ -146,8 +145,8 @@ void advance_island(Island& island, double end, const ContactSettings& settings)
   const double impact = least_impact_speed(settings);
   const double frame = end - island.time;
   while (end - island.time > kOnTime * frame) {
-    const bool may_rest = settings.rests_implicitly && impact > 0 && has_contact(island) &&
-                          !may_be_in_impact(island) &&
+    const bool may_rest = settings.rests_implicitly && impact > 0 &&
+                          (has_contact(island) || is_crowd(island)) && !may_be_in_impact(island) &&
                           !has_impact(island, end - island.time, impact, settings);
     if (may_rest) {
       advance_at_rest(island, end, impact, settings);

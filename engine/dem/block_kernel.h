@@ -85,6 +85,17 @@ VERISIM_INLINE void multiply(const Matrix6& a, Vector6& x) {
   store_six(sum, x.data());
 }
 
+/// a <- l a.
+VERISIM_INLINE void multiply_from_left(const Matrix6& l, Matrix6& a) {
+  Six column[6];
+  for (int k = 0; k < 6; ++k) column[k] = load_six(l.data() + 6 * k);
+  for (int j = 0; j < 6; ++j) {
+    Six sum = zero_six();
+    for (int k = 0; k < 6; ++k) add_scaled(column[k], a.data()[6 * j + k], sum);
+    store_six(sum, a.data() + 6 * j);
+  }
+}
+
 /// x <- a^T x.
 VERISIM_INLINE void multiply_transposed(const Matrix6& a, Vector6& x) {
   const Six of_x = load_six(x.data());

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "dem/block_matrix.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <set>
 
 #include "dem/block_kernel.h"
 
@@ -13,12 +11,6 @@ namespace verisim::dem {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-double dot(const std::vector<Vector6>& x, const std::vector<Vector6>& y) {
-  double sum = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) sum += x[i].dot(y[i]);
-  return sum;
-}
 
 /// Positions of the bodies in an order of little fill.
 std::vector<int> minimum_degree_order(int n, const std::vector<BlockMatrix::Edge>& edges) {
@@ -80,6 +72,91 @@ VERISIM_INLINE void substitute_inline(const BlockFactor& factor, Vector6* x) {
   }
 }
 
+using Rows = BlockGradients::Rows;
+
+VERISIM_INLINE void make_diagonal_one(Rows& rows) {
+  const int n = static_cast<int>(rows.inverse_factor.size());
+  for (int i = 0; i < n; ++i) {
+    invert_factor(Matrix6(rows.inverse_factor[at(i)]), rows.inverse_factor[at(i)]);
+    for (int s = rows.first[at(i)]; s < rows.first[at(i) + 1]; ++s) {
+      multiply_by_transposed(rows.inverse_factor[at(rows.column[at(s)])], rows.off[at(s)]);
+      multiply_from_left(rows.inverse_factor[at(i)], rows.off[at(s)]);
+    }
+  }
+}
+
+/// x <- (1 + L)^-1 x.
+VERISIM_INLINE void sweep_forward(const Rows& rows, std::vector<Vector6>& x) {
+  for (int i = 0; i < static_cast<int>(x.size()); ++i) {
+    for (int s = rows.first[at(i)]; s < rows.first[at(i) + 1]; ++s) {
+      subtract_times(rows.off[at(s)], x[at(rows.column[at(s)])], x[at(i)]);
+    }
+  }
+}
+
+/// x <- (1 + L^T)^-1 x.
+VERISIM_INLINE void sweep_backward(const Rows& rows, std::vector<Vector6>& x) {
+  for (int i = static_cast<int>(x.size()) - 1; i >= 0; --i) {
+    for (int s = rows.first[at(i)]; s < rows.first[at(i) + 1]; ++s) {
+      subtract_transposed_times(rows.off[at(s)], x[at(i)], x[at(rows.column[at(s)])]);
+    }
+  }
+}
+
+VERISIM_INLINE double dot_all(const std::vector<Vector6>& x, const std::vector<Vector6>& y) {
+  double sum = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    sum += dot(load_six(x[i].data()), load_six(y[i].data()));
+  }
+  return sum;
+}
+
+/// y += scale x.
+VERISIM_INLINE void add_all(const std::vector<Vector6>& x, double scale, std::vector<Vector6>& y) {
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    Six sum = load_six(y[i].data());
+    add_scaled(load_six(x[i].data()), scale, sum);
+    store_six(sum, y[i].data());
+  }
+}
+
+/// From the right side in `v.r` to the solution in `v.x`: gradients of (1 + L)^-1 A (1 + L^T)^-1,
+/// whose product with p is t + (1 + L)^-1 (p - t), t = (1 + L^T)^-1 p.
+VERISIM_INLINE int descend_inline(Rows& rows, double tolerance, int most,
+                                  BlockGradients::Vectors& v) {
+  make_diagonal_one(rows);
+  for (std::size_t i = 0; i < v.r.size(); ++i) multiply(rows.inverse_factor[i], v.r[i]);
+  sweep_forward(rows, v.r);
+  v.x.assign(v.r.size(), Vector6::Zero());
+  v.p = v.r;
+  const double start = dot_all(v.r, v.r);
+  double rho = start;
+  int iterations = 0;
+  while (iterations < most && rho > tolerance * tolerance * start) {
+    ++iterations;
+    v.t = v.p;
+    sweep_backward(rows, v.t);
+    v.ap = v.p;
+    add_all(v.t, -1, v.ap);
+    sweep_forward(rows, v.ap);
+    add_all(v.t, 1, v.ap);
+    const double step = rho / dot_all(v.p, v.ap);
+    add_all(v.p, step, v.x);
+    add_all(v.ap, -step, v.r);
+    const double next = dot_all(v.r, v.r);
+    v.t = v.r;
+    add_all(v.p, next / rho, v.t);
+    v.p.swap(v.t);
+    rho = next;
+  }
+  sweep_backward(rows, v.x);
+  for (std::size_t i = 0; i < v.x.size(); ++i) multiply_transposed(rows.inverse_factor[i], v.x[i]);
+  return iterations;
+}
+
+int descend_plain(Rows& rows, double tolerance, int most, BlockGradients::Vectors& v) {
+  return descend_inline(rows, tolerance, most, v);
+}
 void eliminate_plain(const BlockFactor& factor) { eliminate_inline(factor); }
 void substitute_plain(const BlockFactor& factor, Vector6* x) { substitute_inline(factor, x); }
 #if defined(__x86_64__)
@@ -89,11 +166,16 @@ __attribute__((target("avx2"))) void eliminate_avx2(const BlockFactor& factor) {
 __attribute__((target("avx2"))) void substitute_avx2(const BlockFactor& factor, Vector6* x) {
   substitute_inline(factor, x);
 }
+__attribute__((target("avx2"))) int descend_avx2(Rows& rows, double tolerance, int most,
+                                                 BlockGradients::Vectors& v) {
+  return descend_inline(rows, tolerance, most, v);
+}
 const bool kHasAvx2 = __builtin_cpu_supports("avx2");
 #else
 constexpr bool kHasAvx2 = false;
 constexpr auto eliminate_avx2 = eliminate_plain;
 constexpr auto substitute_avx2 = substitute_plain;
+constexpr auto descend_avx2 = descend_plain;
 #endif
 
 }  // namespace
@@ -151,16 +233,21 @@ void BlockCholesky::find_order(int n) {
   place_ = minimum_degree_order(n, edges_);
   body_.resize(at(n));
   for (int b = 0; b < n; ++b) body_[at(place_[at(b)])] = b;
-  std::vector<std::set<int>> rows(at(n));  // per column, positions below the diagonal
+  std::vector<std::vector<int>> rows(at(n));  // per column, positions below the diagonal
   for (const BlockMatrix::Edge& edge : edges_) {
     const int i = place_[at(edge.row)], j = place_[at(edge.column)];
-    rows[at(std::min(i, j))].insert(std::max(i, j));
+    rows[at(std::min(i, j))].push_back(std::max(i, j));
   }
   // The fill of a column goes on to its parent in the elimination tree (George and Liu 1981).
-  for (int j = 0; j < n; ++j) {
-    if (rows[at(j)].size() < 2) continue;
-    const int parent = *rows[at(j)].begin();
-    rows[at(parent)].insert(std::next(rows[at(j)].begin()), rows[at(j)].end());
+  num_block_products_ = n;
+  for (std::vector<int>& column : rows) {
+    std::sort(column.begin(), column.end());
+    column.erase(std::unique(column.begin(), column.end()), column.end());
+    const double count = static_cast<double>(column.size());
+    num_block_products_ += 2 * count + 0.5 * count * (count - 1);
+    if (column.size() < 2) continue;
+    std::vector<int>& parent = rows[at(column.front())];
+    parent.insert(parent.end(), column.begin() + 1, column.end());
   }
   columns_.assign(at(n), {});
   rows_.clear();
@@ -168,22 +255,30 @@ void BlockCholesky::find_order(int n) {
     columns_[at(j)] = {static_cast<int>(rows_.size()), static_cast<int>(rows[at(j)].size())};
     rows_.insert(rows_.end(), rows[at(j)].begin(), rows[at(j)].end());
   }
+  targets_.clear();
+}
+
+/// The block that every update of the elimination goes to.
+void BlockCholesky::find_targets() {
+  const int n = static_cast<int>(columns_.size());
   blocks_.resize(rows_.size());
   diagonal_.resize(at(n));
-  targets_.clear();
-  num_block_products_ = n;
+  std::vector<int> block_in_column(at(n));
   for (int j = 0; j < n; ++j) {
     const BlockFactor::Column& c = columns_[at(j)];
-    num_block_products_ += c.count;
     for (int s = 0; s < c.count; ++s) {
       const int column = rows_[at(c.first + s)];
       targets_.push_back(~column);
+      if (s + 1 == c.count) continue;
+      const BlockFactor::Column& target = columns_[at(column)];
+      for (int k = target.first; k < target.first + target.count; ++k) {
+        block_in_column[at(rows_[at(k)])] = k;
+      }
       for (int t = s + 1; t < c.count; ++t) {
-        targets_.push_back(block_at(rows_[at(c.first + t)], column));
+        targets_.push_back(block_in_column[at(rows_[at(c.first + t)])]);
       }
     }
   }
-  num_block_products_ += static_cast<double>(targets_.size());
 }
 
 BlockFactor BlockCholesky::view() {
@@ -199,6 +294,7 @@ BlockFactor BlockCholesky::view() {
 }
 
 void BlockCholesky::factorise(const BlockMatrix& matrix) {
+  if (targets_.empty()) find_targets();
   for (Matrix6& block : blocks_) block.setZero();
   for (int j = 0; j < matrix.size(); ++j) diagonal_[at(j)] = matrix.diagonal[at(body_[at(j)])];
   is_filled_.assign(blocks_.size(), 0);
@@ -224,80 +320,33 @@ void BlockCholesky::solve(const std::vector<Vector6>& b, std::vector<Vector6>& x
   for (std::size_t j = 0; j < n; ++j) x[at(body_[j])] = work_[j];
 }
 
-void BlockGradients::prepare(const BlockMatrix& matrix) {
+/// The rows of L: blocks that are not zero.
+void BlockGradients::take(const BlockMatrix& matrix) {
   const std::size_t n = matrix.diagonal.size();
-  inverse_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    inverse_[i] = Eigen::LLT<Matrix6>(matrix.diagonal[i]).solve(Matrix6::Identity());
+  rows_.first.assign(n + 1, 0);
+  for (std::size_t e = 0; e < matrix.edges.size(); ++e) {
+    if (!matrix.off[e].isZero(0)) ++rows_.first[at(matrix.edges[e].row) + 1];
   }
-  first_lower_.assign(n + 1, 0);
-  first_upper_.assign(n + 1, 0);
-  for (const BlockMatrix::Edge& edge : matrix.edges) {
-    ++first_lower_[at(edge.row) + 1];
-    ++first_upper_[at(edge.column) + 1];
+  for (std::size_t i = 0; i < n; ++i) rows_.first[i + 1] += rows_.first[i];
+  rows_.column.resize(at(rows_.first[n]));
+  rows_.off.resize(at(rows_.first[n]));
+  std::vector<int> next(rows_.first.begin(), rows_.first.end() - 1);
+  for (std::size_t e = 0; e < matrix.edges.size(); ++e) {
+    if (matrix.off[e].isZero(0)) continue;
+    const int place = next[at(matrix.edges[e].row)]++;
+    rows_.column[at(place)] = matrix.edges[e].column;
+    rows_.off[at(place)] = matrix.off[e];
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    first_lower_[i + 1] += first_lower_[i];
-    first_upper_[i + 1] += first_upper_[i];
-  }
-  lower_.resize(matrix.edges.size());
-  upper_.resize(matrix.edges.size());
-  std::vector<int> next_lower = first_lower_, next_upper = first_upper_;
-  for (int e = 0; e < static_cast<int>(matrix.edges.size()); ++e) {
-    lower_[at(next_lower[at(matrix.edges[at(e)].row)]++)] = e;
-    upper_[at(next_upper[at(matrix.edges[at(e)].column)]++)] = e;
-  }
-}
-
-/// z = (D + U)^-1 D (D + L)^-1 r: one forward and one backward sweep.
-void BlockGradients::precondition(const BlockMatrix& matrix, const std::vector<Vector6>& r,
-                                  std::vector<Vector6>& z) {
-  const int n = matrix.size();
-  y_.resize(at(n));
-  z.resize(at(n));
-  for (int i = 0; i < n; ++i) {
-    Vector6 sum = r[at(i)];
-    for (int s = first_lower_[at(i)]; s < first_lower_[at(i) + 1]; ++s) {
-      const int e = lower_[at(s)];
-      sum.noalias() -= matrix.off[at(e)] * y_[at(matrix.edges[at(e)].column)];
-    }
-    y_[at(i)].noalias() = inverse_[at(i)] * sum;
-  }
-  for (int i = n - 1; i >= 0; --i) {
-    Vector6 sum = Vector6::Zero();
-    for (int s = first_upper_[at(i)]; s < first_upper_[at(i) + 1]; ++s) {
-      const int e = upper_[at(s)];
-      sum.noalias() += matrix.off[at(e)].transpose() * z[at(matrix.edges[at(e)].row)];
-    }
-    z[at(i)] = y_[at(i)] - inverse_[at(i)] * sum;
-  }
+  rows_.inverse_factor = matrix.diagonal;
 }
 
 int BlockGradients::solve(const BlockMatrix& matrix, const std::vector<Vector6>& b,
                           double tolerance, int most, std::vector<Vector6>& x) {
-  prepare(matrix);
-  x.assign(b.size(), Vector6::Zero());
-  r_ = b;
-  precondition(matrix, r_, z_);
-  const double start = dot(r_, z_);
-  if (!(start > 0)) return 0;
-  p_ = z_;
-  double rho = start;
-  int iterations = 0;
-  while (iterations < most && rho > tolerance * tolerance * start) {
-    ++iterations;
-    matrix.multiply(p_, ap_);
-    const double step = rho / dot(p_, ap_);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      x[i] += step * p_[i];
-      r_[i] -= step * ap_[i];
-    }
-    precondition(matrix, r_, z_);
-    const double next = dot(r_, z_);
-    const double share = next / rho;
-    for (std::size_t i = 0; i < x.size(); ++i) p_[i] = z_[i] + share * p_[i];
-    rho = next;
-  }
+  take(matrix);
+  vectors_.r = b;
+  const int iterations =
+      (kHasAvx2 ? descend_avx2 : descend_plain)(rows_, tolerance, most, vectors_);
+  x = vectors_.x;
   return iterations;
 }
 

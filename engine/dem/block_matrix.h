@@ -58,6 +58,7 @@ class BlockCholesky {
 
  private:
   void find_order(int size);
+  void find_targets();
   void locate(const BlockMatrix& matrix);
   int block_at(int row, int column) const;
   BlockFactor view();
@@ -77,21 +78,30 @@ class BlockCholesky {
   std::vector<Vector6> work_;
 };
 
-/// Conjugate gradients with a symmetric block Gauss-Seidel preconditioner.
+/// Conjugate gradients with a symmetric block Gauss-Seidel preconditioner, which costs no product
+/// with the matrix of its own (Eisenstat 1981).
 class BlockGradients {
  public:
-  /// Solves A x = b from x = 0 until |r| <= tolerance |b| or `most` iterations. Returns how many.
+  /// Solves A x = b from x = 0 until |r| <= tolerance |b|, both measured through the
+  /// preconditioner, or `most` iterations. Returns how many.
   int solve(const BlockMatrix& matrix, const std::vector<Vector6>& b, double tolerance, int most,
             std::vector<Vector6>& x);
 
+  /// A with its diagonal blocks made 1, A = G (1 + L + L^T) G^T: the rows of L one after the other.
+  struct Rows {
+    std::vector<int> first;               // [N + 1]
+    std::vector<int> column;              // [E]
+    std::vector<Matrix6> off;             // [E]
+    std::vector<Matrix6> inverse_factor;  // [N] of G
+  };
+  struct Vectors {
+    std::vector<Vector6> x, r, p, t, ap;
+  };
+
  private:
-  void prepare(const BlockMatrix& matrix);
-  void precondition(const BlockMatrix& matrix, const std::vector<Vector6>& r,
-                    std::vector<Vector6>& z);
-  std::vector<Matrix6> inverse_;  // of the diagonal blocks
-  // Edges of every row: those below the diagonal (row = i) and above (column = i).
-  std::vector<int> first_lower_, lower_, first_upper_, upper_;
-  std::vector<Vector6> r_, z_, p_, ap_, y_;
+  void take(const BlockMatrix& matrix);
+  Rows rows_;
+  Vectors vectors_;
 };
 
 }  // namespace verisim::dem

@@ -20,8 +20,6 @@ using Eigen::Vector3d;
 constexpr double kLoadMemory = 0.02;
 // A pair whose springs hold less than this share of an impact's energy counts as not pressed in.
 constexpr double kUnpressed = 1e-7;
-// Restitution from where energy that stiffening takes would be seen: less is lost in the impact.
-constexpr double kElastic = 0.9;
 
 // Inverse mass of a body at a point of its surface over that at its centre, of any solid shape.
 constexpr double kMostLever = 8;

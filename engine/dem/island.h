@@ -91,6 +91,17 @@ struct Island {
 /// So many bodies that what each does within a step shows less than that they do not overlap.
 inline bool is_crowd(const Island& island) { return island.num_free >= 6; }
 
+// Pairs with less restitution rebound out of sight: their impacts are steps like any other.
+constexpr double kPlastic = 0.05;
+// Restitution from where an impact needs its own steps wherever it is: energy lost would be seen.
+constexpr double kElastic = 0.9;
+
+/// True if impacts of the pair take explicit steps. A crowd has Newton's restitution instead: it
+/// takes the speed within one implicit step.
+inline bool has_stepped_impacts(const Island& island, const PairLaw& law) {
+  return law.restitution >= (is_crowd(island) ? kElastic : kPlastic);
+}
+
 /// Advances to `end` (s). Impacts by explicit steps that begin at touch-down, rest by implicit
 /// ones, free flight exactly.
 void advance_island(Island& island, double end, const ContactSettings& settings);

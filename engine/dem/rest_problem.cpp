@@ -45,11 +45,22 @@ constexpr double kCalm = 1e-5;
 // A friction this close to its bound is at it: rounding may leave it just below.
 constexpr double kAtBound = 1e-9;
 // Block products of a factorisation, per edge, above which gradients are cheaper.
-constexpr double kMostFill = 200;
+constexpr double kMostFill = 100;
 constexpr double kTightResidual = 1e-9, kLooseResidual = 1e-6;
 constexpr int kManyBodies = 300;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Speed (m/s) at which the surfaces part again that meet at a row within the step: Newton's
+/// restitution, where the approach is an impact and nothing presses the spring in yet.
+double rebound_of(const RestRow& row, const Island& island, double duration,
+                  const ContactSettings& settings) {
+  const PairLaw& law = row.local->pair.law;
+  if (law.restitution < kPlastic || row.point->depth > row.point->offset) return 0;
+  const double speed = closing_speed(*row.local, island.bodies, *row.point);
+  const bool meets = speed * duration > row.point->offset - row.point->depth;
+  return meets && speed > least_impact_speed(settings) ? law.restitution * speed : 0;
+}
 
 }  // namespace
 
@@ -89,6 +100,7 @@ void RestProblem::set_up(Island& island, double duration, const ContactSettings&
           local.pair.stiffness * point.weight * std::max(0.0, point.depth - point.offset);
       row.load = std::min(point.load, pressed);
       row.stretch = turned_into_plane(b.rotation * point.stretch_b, point.normal);
+      row.rebound = rebound_of(row, island, h_, settings);
       rows_.push_back(row);
     }
   }
@@ -99,6 +111,7 @@ void RestProblem::set_up(Island& island, double duration, const ContactSettings&
   is_first_ = true;
   slip_speed_ = 0;
   cholesky_.start_series();
+  is_direct_ = true;  // until the fill of this step says otherwise
   v_ = start_;
   refresh_rows(settings);
 }
@@ -139,6 +152,7 @@ void RestProblem::assemble(double sliding_share) {
     matrix_.diagonal[i].bottomRightCorner<3, 3>() = inertia_[i];
   }
   loops_.add_stiffness(sliding_share, matrix_);
+  if (!is_direct_) return;
   cholesky_.analyse(matrix_);
   const double num_blocks = static_cast<double>(cholesky_.num_edges() + matrix_.diagonal.size());
   is_direct_ = cholesky_.num_block_products() < kMostFill * num_blocks;
@@ -255,14 +269,15 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
       for (std::size_t k = 0; k < v_.size(); ++k) v_[k] += t * direction[k];
       evaluate(v_, gradient);
       ++outcome.newton_steps;
-      if (slip_speed_ > last_slip && t >= kLongStep) {
+      residual = scaled_residual(gradient);
+      if (slip_speed_ > last_slip && (t >= kLongStep || residual <= enough)) {
         loops_.take_forces(rows_);
         for (RestRow& row : rows_) row.bound = row.friction * row.load;
         soften(std::max(last_slip, kHardening * slip_speed_));
         evaluate(v_, gradient);
+        residual = scaled_residual(gradient);
         best = std::numeric_limits<double>::infinity();
       }
-      residual = scaled_residual(gradient);
       outcome.converged = slip_speed_ <= last_slip && residual <= enough;
       stalled = residual > 0.5 * best ? stalled + 1 : 0;
       if (residual < best) {

@@ -13,7 +13,8 @@ namespace verisim::dem {
 /// Minimises over the velocities v of the free bodies, with h the step and u = J v per row:
 ///   1/2 |v - v*|_M^2 + sum h/(2q) [k x - q u_n]_+^2 + sum h/(4h) Huber_{k_t, b}(s + 4h u_t),
 /// q = h k + damping. The friction bound b = mu * load of the last pass is fixed meanwhile, so the
-/// problem is convex; passes repeat until it no longer changes. Newton with exact line search.
+/// problem is convex; passes repeat until it no longer changes. Newton with exact line search. Of
+/// rows that rebound, u_n counts from the parting speed.
 class RestProblem {
  public:
   /// Result of a solve.

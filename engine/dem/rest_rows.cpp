@@ -85,7 +85,7 @@ struct Forces {
 VERISIM_INLINE Forces forces_at(const Four& four, const Lanes* u, double h) {
   Forces f;
   const Lanes un = dot3(four.normal, u);
-  f.load = positive(four.stiffness * four.compression - four.push * un);
+  f.load = positive(four.stiffness * four.compression - four.push * (un - four.rebound));
   const Lanes per_speed = (RestRows::kTangentialSteps * h) * four.grip;
   for (int i = 0; i < 3; ++i) {
     f.pull[i] = four.shear * four.stretch[i] + per_speed * (u[i] - un * four.normal[i]);
@@ -298,6 +298,7 @@ void RestRows::set_springs(const std::vector<RestRow>& rows) {
     const std::size_t lane = r % 4;
     four.compression[lane] = rows[r].compression;
     four.stiffness[lane] = rows[r].stiffness;
+    four.rebound[lane] = rows[r].rebound;
     four.push[lane] = h_ * rows[r].stiffness + rows[r].damping;
     four.shear[lane] = rows[r].shear;
   }

@@ -23,6 +23,7 @@ struct RestRow {
   double compression = 0;                             // m, at the start; < 0 apart
   double stiffness = 0;                               // N/m, normal
   double damping = 0;                                 // N s/m, normal
+  double rebound = 0;                                 // m/s, parting speed after an impact
   double shear = 0;                                   // N/m, tangential
   double friction = 0;                                // coefficient
   double bound = 0;                                   // N, of the friction in this pass
@@ -65,6 +66,7 @@ class RestRows {
     Lanes normal[3], arm_a[3], arm_b[3], given[3], stretch[3];
     Lanes base_arm[3];                   // of a where a is free, else of b
     Lanes compression, stiffness, push;  // push: of velocity on the load, N s/m
+    Lanes rebound;                       // m/s
     Lanes shear, grip, bound;            // grip: the shear stiffness that velocities meet, N/m
     Lanes u[3], du[3];                   // m/s
     Lanes load, pull[3], size;           // N; size of the spring's pull, uncapped

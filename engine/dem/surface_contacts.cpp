@@ -216,8 +216,7 @@ SurfaceContacts::Bounds SurfaceContacts::bounds_over(const BodyState& body, doub
   const Vector3d end = body.position + duration * body.velocity + fall;
   // What is slower than a fall of this duration lies on something.
   const double way = duration * body.velocity.norm();
-  const double margin =
-      0.25 * way + std::min(fall.norm(), 0.5 * way) + 2 * chosen_.max_penetration;
+  const double margin = 0.25 * way + std::min(fall.norm(), 0.5 * way) + 2 * chosen_.max_penetration;
   const Vector3d all =
       extents.cwiseMin(Vector3d::Constant(body.reach)) + Vector3d::Constant(margin);
   return {body.position.cwiseMin(end) - all, body.position.cwiseMax(end) + all};
