@@ -121,7 +121,7 @@ void advance_at_rest(Island& island, double end, double impact_at,
   double longest = frame;
   while (end - island.time > on_time) {
     const double remaining = end - island.time;
-    const bool is_flying = !has_contact(island) && !is_crowd(island);
+    const bool is_flying = !has_contact(island) && !is_throng(island);
     if (is_flying || has_impact(island, remaining, impact_at, settings)) return;
     double step = std::min({remaining, longest, straight_step(island, settings)});
     if (settings.wind) step = wind_step(island, *settings.wind, settings.gravity, step);
@@ -146,7 +146,7 @@ void advance_island(Island& island, double end, const ContactSettings& settings)
   const double frame = end - island.time;
   while (end - island.time > kOnTime * frame) {
     const bool may_rest = settings.rests_implicitly && impact > 0 &&
-                          (has_contact(island) || is_crowd(island)) && !may_be_in_impact(island) &&
+                          (has_contact(island) || is_throng(island)) && !may_be_in_impact(island) &&
                           !has_impact(island, end - island.time, impact, settings);
     if (may_rest) {
       advance_at_rest(island, end, impact, settings);

@@ -96,10 +96,13 @@ constexpr double kPlastic = 0.05;
 // Restitution from where an impact needs its own steps wherever it is: energy lost would be seen.
 constexpr double kElastic = 0.9;
 
-/// True if impacts of the pair take explicit steps. A crowd has Newton's restitution instead: it
-/// takes the speed within one implicit step.
+/// So many bodies that their impacts are not followed one by one.
+inline bool is_throng(const Island& island) { return island.num_free >= 20; }
+
+/// True if impacts of the pair take explicit steps. In a throng they have Newton's restitution
+/// within an implicit step instead.
 inline bool has_stepped_impacts(const Island& island, const PairLaw& law) {
-  return law.restitution >= (is_crowd(island) ? kElastic : kPlastic);
+  return law.restitution >= (is_throng(island) ? kElastic : kPlastic);
 }
 
 /// Advances to `end` (s). Impacts by explicit steps that begin at touch-down, rest by implicit

@@ -51,15 +51,22 @@ constexpr int kManyBodies = 300;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Speed (m/s) at which the surfaces part again that meet at a row within the step: Newton's
-/// restitution, where the approach is an impact and nothing presses the spring in yet.
+/// Speed (m/s) from which the load of a row counts whose surfaces meet within the step: Newton's
+/// restitution, where the approach is an impact and nothing presses the spring in yet. The step
+/// turns the bodies round where they are and not where they meet; what they would fall less for
+/// that is taken off. And the spring would count what is left of the gap against the rebound.
 double rebound_of(const RestRow& row, const Island& island, double duration,
                   const ContactSettings& settings) {
   const PairLaw& law = row.local->pair.law;
-  if (law.restitution < kPlastic || row.point->depth > row.point->offset) return 0;
+  const double gap = row.point->offset - row.point->depth;
+  if (law.restitution < kPlastic || gap < 0 || !is_throng(island)) return 0;
   const double speed = closing_speed(*row.local, island.bodies, *row.point);
-  const bool meets = speed * duration > row.point->offset - row.point->depth;
-  return meets && speed > least_impact_speed(settings) ? law.restitution * speed : 0;
+  if (speed <= least_impact_speed(settings) || speed * duration <= gap) return 0;
+  const double pull = std::abs(row.normal.dot(settings.gravity));  // on one, if the other lies
+  const double parting = law.restitution * std::sqrt(speed * speed + 2 * pull * gap);
+  const double too_high = gap + gap / speed * parting;
+  const double left = parting * parting - 2 * pull * too_high;
+  return left > 0 ? std::sqrt(left) + gap / duration : 0;
 }
 
 }  // namespace

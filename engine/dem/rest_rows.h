@@ -23,7 +23,7 @@ struct RestRow {
   double compression = 0;                             // m, at the start; < 0 apart
   double stiffness = 0;                               // N/m, normal
   double damping = 0;                                 // N s/m, normal
-  double rebound = 0;                                 // m/s, parting speed after an impact
+  double rebound = 0;                                 // m/s, of an impact; see RestProblem
   double shear = 0;                                   // N/m, tangential
   double friction = 0;                                // coefficient
   double bound = 0;                                   // N, of the friction in this pass

@@ -20,7 +20,7 @@ constexpr double kUnseenRise = 1e-3;
 // Stiffness grows by no more than this factor at a time: resting loads are found at once, the
 // spike of an impact must not stiffen what rests afterwards.
 constexpr double kMostStiffening = 100, kMostStiffeningInImpact = 4;
-constexpr int kMostSolves = 3;
+constexpr int kMostSolves = 5;
 // Depths of rest that an impact may press in a spring.
 constexpr double kImpactDepth = 4;
 // Load of a spring, of what presses it in by the depth of rest, beyond which it is stiffened and
