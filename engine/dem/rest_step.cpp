@@ -28,9 +28,6 @@ constexpr double kImpactDepth = 4;
 constexpr double kOverload = 1.5, kUnderload = 0.3;
 // A step that ends deeper than it aimed at, by more depths of rest than this, is too long.
 constexpr double kSurprise = 5;
-// Energy that springs hold at the end of a step beyond what it aimed at, because surfaces turned
-// towards each other within it: as a share of the island's kinetic energy, what is accepted.
-constexpr double kTurnedTowards = 1e-5;
 // Offsets from the projected path smaller than this share of the depth of rest are left out.
 constexpr double kUnseenShift = 1e-4;
 // Depths of rest by which an offset may shrink in a step, and the share of what the step dissipated
@@ -383,7 +380,6 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
     relax_stiffness(local, island, settings);
   }
   const SpringEnergy springs_start = spring_energy(island, settings.tangential_ratio);
-  const double kinetic_start = kinetic_energy(island);
   const double energy_start =
       kinetic_and_potential(island, settings.gravity) + springs_start.total();
   const double outside_start = island.books.outside_work;
@@ -427,9 +423,7 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
   for (int i = 0; i < island.num_free; ++i) {
     unseen += island.bodies[at(i)].mass * settings.gravity.norm() * settings.rest_depth;
   }
-  const bool is_good = outcome.converged && rise <= kUnseenRise * unseen &&
-                       -turned_away <= kUnseenRise * unseen + kTurnedTowards * kinetic_start &&
-                       surprise <= 1;
+  const bool is_good = outcome.converged && rise <= kUnseenRise * unseen && surprise <= 1;
   if (!is_good) {
     island.bodies = before.bodies;
     island.pairs = before.pairs;
