@@ -51,7 +51,7 @@ DEM = Ladder(
             for name, dt in DEM_STEPS.items()
         ),
         Rung("dt 1/10, pen /10", {"dt_s": 0.1, "max_penetration_m": Times(0.1)}, is_quick=True),
-        Rung("dt 1/10, pen /100", {"dt_s": 0.1, "max_penetration_m": Times(0.01)}),
+        Rung("dt 1/10, pen /100", {"dt_s": 0.1, "max_penetration_m": Times(0.01)}, is_quick=True),
         Rung("dt 1/10, pen x10", {"dt_s": 0.1, "max_penetration_m": Times(10)}, is_quick=True),
         Rung("dt 1/60, pen /10", {"dt_s": 1 / 60, "max_penetration_m": Times(0.1)}),
         Rung("dt 1/60, pen /100", {"dt_s": 1 / 60, "max_penetration_m": Times(0.01)}),
