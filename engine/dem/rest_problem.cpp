@@ -17,13 +17,13 @@ using Eigen::Vector3d;
 // Loaded springs are damped by three steps' worth of their stiffness: what is pressed in comes out
 // at depth / (4 h) at the fastest.
 constexpr double kNormalSteps = 3;
-// A sliding contact has no stiffness along its slip. At first the matrix gives it half of what it
-// would have stuck, which finds who slides where in few steps; then the true matrix converges.
-constexpr double kSlidingShare = 0.5;
+// A sliding contact has no stiffness along its slip. At first the matrix leaves it half of what it
+// would have stuck, then half as much after each whole step (the true matrix converges), and more
+// after a short one (who slides where is not found yet).
+constexpr double kSlidingShare = 0.5, kWholeStep = 0.9, kShortStep = 0.2;
 // Where much moves, who slides where is found with friction that gives way at a speed first, as a
 // share of the speed that the step changes; then it hardens by this factor per Newton step.
 constexpr double kFirstSlip = 0.1, kSlipAgain = 1e-2, kHardening = 0.2, kLongStep = 0.5;
-constexpr double kWholeStep = 0.9, kShortStep = 0.2;
 constexpr int kMostNewtonSteps = 40;
 // Newton steps without halving the residual after which it counts as solved, if it is this small.
 constexpr int kStalled = 4;
@@ -39,8 +39,7 @@ struct Accuracy {
 constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{5e-4, 3e-2, 3, 5e-3};
 // Enough to see which springs are overloaded.
 constexpr Accuracy kRough{5e-2, 0.1, 2, 2e-2};
-// Residual at the start of a step, as a share of the weights, from where an island counts as
-// moving.
+// Residual at the start of a step, as a share of the weights, from where a crowd counts as moving.
 constexpr double kCalm = 1e-5;
 // A friction this close to its bound is at it: rounding may leave it just below.
 constexpr double kAtBound = 1e-9;

@@ -27,7 +27,7 @@ class RestProblem {
   void set_up(Island& island, double duration, const ContactSettings& settings);
   /// Takes over stiffness and offset of all points after they were changed.
   void refresh_rows(const ContactSettings& settings);
-  /// `is_rough`: loads to a hundredth, where stiffness is still sought.
+  /// `is_rough`: loads to a twentieth, where stiffness is still sought.
   Outcome solve(bool is_rough);
 
   std::vector<RestRow>& rows() { return rows_; }
@@ -41,7 +41,7 @@ class RestProblem {
   void evaluate(const std::vector<Vector6>& v, std::vector<Vector6>& gradient);
   void assemble(double sliding_share);
   void solve_linear(const std::vector<Vector6>& b, std::vector<Vector6>& x, double tolerance);
-  double line_search(const std::vector<Vector6>& v, const std::vector<Vector6>& direction);
+  double line_search(const std::vector<Vector6>& gradient, const std::vector<Vector6>& direction);
   double scaled_residual(const std::vector<Vector6>& gradient) const;
   void soften(double speed);
   void apply_mass(std::vector<Vector6>& v) const;

@@ -26,7 +26,8 @@ constexpr double kImpactDepth = 4;
 // Load of a spring, of what presses it in by the depth of rest, beyond which it is stiffened and
 // below which it may soften. Wide apart, so that a load that swings a little moves neither.
 constexpr double kOverload = 1.5, kUnderload = 0.3;
-// A step that ends deeper than it aimed at, by more depths of rest than this, is too long.
+// A step that ends deeper than it aimed at, by more depths of rest than this (less where little
+// room is left), is too long.
 constexpr double kSurprise = 5;
 // Offsets from the projected path smaller than this share of the depth of rest are left out.
 constexpr double kUnseenShift = 1e-4;
@@ -258,8 +259,8 @@ double move(RestProblem& problem, Island& island, double h, const ContactSetting
   return aimed_at;
 }
 
-/// What surfaces turned towards each other within the step presses no spring in: the
-/// offset takes it, and no energy comes of it.
+/// What surfaces turned towards each other within the step presses no spring in: the offset takes
+/// it, and no energy comes of it.
 void leave_to_offset(ContactPoint& point) {
   const double aimed_at = std::max(0.0, point.expected - point.offset);
   point.offset = std::max(point.offset, point.depth - aimed_at);
@@ -295,8 +296,8 @@ double recover_offsets(Island& island, double spent, const ContactSettings& sett
   return taken;
 }
 
-/// Stretches turn with body b; contacts begin and end. Returns how much deeper (m) a pair lies than
-/// it was and than the step aimed at: surfaces met where none was seen.
+/// Stretches turn with body b; contacts begin and end. Returns how much deeper a pair lies than it
+/// was and than the step aimed at, as a share of what it may: surfaces met where none was seen.
 double keep_contacts(RestProblem& problem, Island& island, const ContactSettings& settings,
                      double look_ahead) {
   for (RestRow& row : problem.rows()) {
