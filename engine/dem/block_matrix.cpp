@@ -170,9 +170,7 @@ __attribute__((target("avx2"))) int descend_avx2(Rows& rows, double tolerance, i
                                                  BlockGradients::Vectors& v) {
   return descend_inline(rows, tolerance, most, v);
 }
-const bool kHasAvx2 = __builtin_cpu_supports("avx2");
 #else
-constexpr bool kHasAvx2 = false;
 constexpr auto eliminate_avx2 = eliminate_plain;
 constexpr auto substitute_avx2 = substitute_plain;
 constexpr auto descend_avx2 = descend_plain;

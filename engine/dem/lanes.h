@@ -33,6 +33,13 @@ using Lanes = double __attribute__((vector_size(32), aligned(32), may_alias));
 // that do are inlined, so nothing is returned.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
+// Loops of this kind are compiled twice; which one runs is known at the start.
+#if defined(__x86_64__)
+inline const bool kHasAvx2 = __builtin_cpu_supports("avx2");
+#else
+constexpr bool kHasAvx2 = false;
+#endif
+
 VERISIM_INLINE Lanes load(const Quad& quad) { return *reinterpret_cast<const Lanes*>(&quad); }
 VERISIM_INLINE void store(Quad& quad, const Lanes& v) { *reinterpret_cast<Lanes*>(&quad) = v; }
 

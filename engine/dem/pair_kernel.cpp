@@ -173,9 +173,7 @@ __attribute__((target("avx2"))) void add_border_pairs_avx2(
     const PairRange& range, const std::vector<ParticlePair>& border) {
   add_border_pairs_inline(range, border);
 }
-const bool kHasAvx2 = __builtin_cpu_supports("avx2");
 #else
-constexpr bool kHasAvx2 = false;
 constexpr auto add_pairs_avx2 = add_pairs;
 constexpr auto add_border_pairs_avx2 = add_border_pairs;
 #endif

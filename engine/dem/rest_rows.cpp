@@ -230,9 +230,7 @@ __attribute__((target("avx2"))) void differentiate_avx2(const std::vector<Four>&
                                                         std::vector<FourDerivatives>& derivatives) {
   differentiate_inline(fours, h, share, derivatives);
 }
-const bool kHasAvx2 = __builtin_cpu_supports("avx2");
 #else
-constexpr bool kHasAvx2 = false;
 constexpr auto evaluate_avx2 = evaluate_plain;
 constexpr auto slope_avx2 = slope_plain;
 constexpr auto set_direction_avx2 = set_direction_plain;
