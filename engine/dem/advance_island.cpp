@@ -113,12 +113,20 @@ void advance_explicitly(Island& island, double end, double calm_speed,
   island.time = end;
 }
 
+/// What the last implicit steps of its bodies say about the next one (s), at most `longest`.
+double known_step(const Island& island, double longest) {
+  for (int i = 0; i < island.num_free; ++i) {
+    longest = std::min(longest, island.bodies[static_cast<std::size_t>(i)].next_step);
+  }
+  return longest;
+}
+
 /// Implicit steps until `end` or an impact.
 void advance_at_rest(Island& island, double end, double impact_at,
                      const ContactSettings& settings) {
   const double frame = end - island.time;
   const double on_time = kOnTime * frame;
-  double longest = frame;
+  double longest = known_step(island, frame);
   while (end - island.time > on_time) {
     const double remaining = end - island.time;
     const bool is_flying = !has_contact(island) && !is_throng(island);
@@ -135,6 +143,10 @@ void advance_at_rest(Island& island, double end, double impact_at,
     if (!is_done) advance_explicitly(island, island.time + step, 0, settings);
     if (!island.books.is_finite) return;
     longest = 2 * step;
+    if (!is_throng(island)) continue;
+    for (int i = 0; i < island.num_free; ++i) {
+      island.bodies[static_cast<std::size_t>(i)].next_step = longest;
+    }
   }
   island.time = end;
 }

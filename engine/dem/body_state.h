@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <limits>
 
 #include "dem/collision_shape.h"
 #include "dem/definition.h"
@@ -42,6 +43,9 @@ struct BodyState {
 
   // Bound on what wind and tethers add to the acceleration of any point of the surface (m/s^2).
   double other_acceleration = 0;
+
+  // Implicit step (s) to try next, in a throng: twice the last one that its island took.
+  double next_step = std::numeric_limits<double>::infinity();
 
   // Bounds of the centre's path since the start of the frame (m).
   Eigen::Vector3d path_low = Eigen::Vector3d::Zero(), path_high = Eigen::Vector3d::Zero();

@@ -29,6 +29,8 @@ constexpr double kOneNormal = 5e-7;
 constexpr double kLeastCrossing = 0.05;
 // And where their common normal leans away from the face's by more than this cosine.
 constexpr double kSteepestCrossing = 0.5;
+// Points closer than this share of the smaller box's half extent are one.
+constexpr double kSamePlace = 0.02;
 
 struct Box {
   const BodyState& body;
@@ -285,15 +287,29 @@ void find_box_points(const BodyState& a, const BodyState& b, double margin, int 
     add_points_of_face(true);
     return;
   }
-  if (meets_parallel_face(box_a, box_b, face) || any.normal.dot(face.normal) > kParallelFaces) {
+  const double along = any.normal.dot(face.normal);
+  const double overlap = std::max(0.0, -any.gap);
+  if (along > kSteepestCrossing) {
     add_points_of_face(false);
     double deepest = -margin;
     for (const FoundPoint& point : found.points) deepest = std::max(deepest, point.depth);
-    if (!found.points.empty() && deepest >= std::min(any.gap, 0.0) * -kParallelFaces) return;
-    found.points.clear();
+    if ((along > kParallelFaces || meets_parallel_face(box_a, box_b, face)) &&
+        !found.points.empty() && deepest >= kParallelFaces * overlap) {
+      return;
+    }
   }
+  const std::size_t num_corners = found.points.size();
   found.axis = any.axis;
   add_edge_point(box_a, box_b, any, margin, found);
+  // The corners of the face hold what turns about the edges' one point. Those that are that point,
+  // or deeper than the boxes overlap, do not.
+  const Vector3d edge_place = found.points.back().place;
+  const double same_place = kSamePlace * std::min(box_a.half.minCoeff(), box_b.half.minCoeff());
+  const auto is_out = [&](const FoundPoint& point) {
+    return point.depth > overlap || (point.place - edge_place).norm() < same_place;
+  };
+  const auto end_of_corners = found.points.begin() + static_cast<std::ptrdiff_t>(num_corners);
+  found.points.erase(std::remove_if(found.points.begin(), end_of_corners, is_out), end_of_corners);
 }
 
 }  // namespace verisim::dem

@@ -36,9 +36,9 @@ struct Accuracy {
   int most_passes;
   double slip = 0;  // share of the speed that the step changes
 };
-constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{5e-4, 3e-2, 3, 5e-3};
+constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{5e-4, 5e-2, 3, 2e-2};
 // Enough to see which springs are overloaded.
-constexpr Accuracy kRough{5e-2, 0.1, 2, 2e-2};
+constexpr Accuracy kRough{0.2, 0.1, 2, 5e-2};
 // Residual at the start of a step, as a share of the weights, from where a crowd counts as moving.
 constexpr double kCalm = 1e-5;
 // A friction this close to its bound is at it: rounding may leave it just below.
@@ -234,6 +234,20 @@ double RestProblem::scaled_residual(const std::vector<Vector6>& gradient) const 
   return std::sqrt(sum / static_cast<double>(gradient.size()));
 }
 
+/// Rms over bodies of the closing speed (m/s), after free flight, where they meet something.
+double RestProblem::expected_speed_change() const {
+  std::vector<double> fastest(free_.size(), 0);
+  for (const RestRow& row : rows_) {
+    const double closing = -row.normal.dot(relative_velocity(row, free_));
+    if (row.compression + h_ * closing <= 0) continue;
+    if (row.a >= 0) fastest[at(row.a)] = std::max(fastest[at(row.a)], closing);
+    if (row.b >= 0) fastest[at(row.b)] = std::max(fastest[at(row.b)], closing);
+  }
+  double sum = 0;
+  for (const double speed : fastest) sum += speed * speed;
+  return std::sqrt(sum / static_cast<double>(fastest.size()));
+}
+
 RestProblem::Outcome RestProblem::solve(bool is_rough) {
   Outcome outcome;
   std::vector<Vector6>&gradient = gradient_, &direction = direction_;
@@ -245,20 +259,20 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
     double residual = scaled_residual(gradient);
     if (is_first_) {
       is_moving_ = residual > kCalm && is_crowd(*island_);
-      first_residual_ = residual;
+      // Of stiff springs that close fast the residual says more than how much will change.
+      if (is_moving_) speed_change_ = std::min(residual * gravity_ * h_, expected_speed_change());
     }
     if (!is_rough && is_moving_) accuracy = kMoving;
-    const double change_of_speed = first_residual_ * gravity_ * h_;
-    const double last_slip = is_moving_ ? accuracy.slip * change_of_speed : 0;
+    const double last_slip = is_moving_ ? accuracy.slip * speed_change_ : 0;
     if (is_moving_ && pass == 0) {
-      soften((is_first_ ? kFirstSlip : kSlipAgain) * change_of_speed);
+      soften((is_first_ ? kFirstSlip : kSlipAgain) * speed_change_);
       evaluate(v_, gradient);
       residual = scaled_residual(gradient);
     }
     is_first_ = false;
     const double start = residual;
     const double enough =
-        std::max(tolerance, accuracy.gain * (is_moving_ ? first_residual_ : start));
+        std::max(tolerance, accuracy.gain * (is_moving_ ? speed_change_ / (gravity_ * h_) : start));
     double share = kSlidingShare;
     outcome.converged =
         slip_speed_ <= last_slip && residual <= (pass == 0 && !is_moving_ ? tolerance : enough);

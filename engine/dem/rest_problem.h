@@ -43,6 +43,7 @@ class RestProblem {
   void solve_linear(const std::vector<Vector6>& b, std::vector<Vector6>& x, double tolerance);
   double line_search(const std::vector<Vector6>& gradient, const std::vector<Vector6>& direction);
   double scaled_residual(const std::vector<Vector6>& gradient) const;
+  double expected_speed_change() const;
   void soften(double speed);
   void apply_mass(std::vector<Vector6>& v) const;
 
@@ -58,7 +59,7 @@ class RestProblem {
   BlockGradients gradients_;
   bool is_direct_ = true;
   bool is_first_ = true, is_moving_ = false;  // of the solves of this step
-  double first_residual_ = 0;                 // of the step
+  double speed_change_ = 0;                   // m/s, expected of the step
   double slip_speed_ = 0;                     // m/s, of what sticks
 };
 

@@ -152,6 +152,29 @@ bool stiffen_overloaded(RestProblem& problem, Island& island, const ContactSetti
   return is_raised;
 }
 
+/// Leaves out the offsets of bodies that they would push into surfaces that the solution keeps
+/// apart or presses in less.
+void stop_at_surfaces(const std::vector<RestRow>& rows, const std::vector<Vector6>& end, double h,
+                      double tolerance, std::vector<Vector6>& shift) {
+  const auto is_in_the_way = [&](const RestRow& row) {
+    const double aimed_at = row.compression - h * row.normal.dot(relative_velocity(row, end));
+    const double in = row.normal.dot(row.given - relative_velocity(row, shift));
+    return in > 0 && aimed_at + in > std::max(0.0, aimed_at) + tolerance;
+  };
+  const auto drop = [&](int body) {
+    if (body >= 0) shift[at(body)].setZero();
+  };
+  for (bool is_any = true; is_any;) {
+    is_any = false;
+    for (const RestRow& row : rows) {
+      if (!is_in_the_way(row)) continue;
+      drop(row.a);
+      drop(row.b);
+      is_any = true;
+    }
+  }
+}
+
 /// Moves the bodies by the solution; the books take what springs, friction and the step took.
 /// Returns the energy (J) of the normal springs that it aims at.
 double move(RestProblem& problem, Island& island, double h, const ContactSettings& settings) {
@@ -177,6 +200,7 @@ double move(RestProblem& problem, Island& island, double h, const ContactSetting
   const bool is_smooth = impact <= least_impact_speed(settings);
   if (is_smooth && largest > kUnseenShift * settings.rest_depth) {
     problem.project(shift);
+    stop_at_surfaces(problem.rows(), end, h, settings.rest_depth, shift);
   } else {
     for (Vector6& s : shift) s.setZero();
   }
@@ -387,11 +411,24 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
   const double damping_start = island.books.damping_work;
   const double friction_start = island.books.friction_work;
 
+  int newton_steps = 0;
+  const auto take_back = [&] {
+    island.bodies = before.bodies;
+    island.pairs = before.pairs;
+    island.books = before.books;
+    island.books.num_newton_steps += newton_steps;
+    ++island.books.num_refused_steps;
+    island.time = before.time;
+  };
   thread_local RestProblem problem;  // knows the pattern of its matrix again
   problem.set_up(island, duration, settings);
-  int newton_steps = 0;
   for (int i = 0; i + 1 < kMostSolves; ++i) {
-    newton_steps += problem.solve(true).newton_steps;
+    const RestProblem::Outcome rough = problem.solve(true);
+    newton_steps += rough.newton_steps;
+    if (!rough.converged && is_throng(island)) {
+      take_back();
+      return false;
+    }
     if (!stiffen_overloaded(problem, island, settings)) break;
     problem.refresh_rows(settings);
   }
@@ -426,12 +463,7 @@ bool rest_step(Island& island, double duration, const ContactSettings& settings)
   }
   const bool is_good = outcome.converged && rise <= kUnseenRise * unseen && surprise <= 1;
   if (!is_good) {
-    island.bodies = before.bodies;
-    island.pairs = before.pairs;
-    island.books = before.books;
-    island.books.num_newton_steps += newton_steps;
-    ++island.books.num_refused_steps;
-    island.time = before.time;
+    take_back();
     return false;
   }
   island.books.num_newton_steps += newton_steps;

@@ -72,23 +72,89 @@ const MeshSurface* surface_of(const BodyState& body) {
   return std::get<BoxShape>(*body.shape).surface.get();
 }
 
-/// Surface points of `sampled` against `distance` (world point -> Distance, the direction being
-/// away from the other body). Blocks that are too far are skipped whole.
-template <class DistanceOf>
-void add_surface_points(const BodyState& sampled, const MeshSurface& surface, double margin,
-                        std::uint64_t id_of_side, double push_sign, const DistanceOf& distance_of,
-                        Found& found) {
+/// Distances of points in the frame of one body to another that is a box or a mesh.
+class FromBody {
+ public:
+  using Place = Vector3d;  // m, frame of the other body
+  FromBody(const BodyState& sampled, const BodyState& other)
+      : other_(other),
+        turn_(other.rotation.transpose() * sampled.rotation),
+        shift_(other.to_body(sampled.position)) {
+    if (const auto* mesh = std::get_if<MeshShape>(other.shape)) {
+      field_ = &mesh->surface->field;
+      const auto [nx, ny, nz] = field_->counts;
+      const Vector3d half = 0.5 * field_->spacing * Vector3d(nx - 1, ny - 1, nz - 1);
+      middle_ = field_->origin_b + half;
+      half_ = half;
+    } else {
+      half_ = std::get<BoxShape>(*other.shape).half;
+    }
+  }
+
+  Place place_of(const Vector3d& p_b) const { return turn_ * p_b + shift_; }
+  /// Lower bound that costs little, of what is not near the other's bounding box.
+  double at_least(const Place& place) const {
+    return ((place - middle_).cwiseAbs() - half_).cwiseMax(0).norm();
+  }
+  double value_at(const Place& place) const { return distance_at(place).value; }
+  /// Away from the other body; world frame, unit.
+  Vector3d direction_at(const Place& place) const {
+    return other_.rotation * distance_at(place).direction;
+  }
+
+ private:
+  Distance distance_at(const Place& place) const {
+    if (field_ == nullptr) return distance_to_box(half_, place);
+    const DistanceValue found = dem::distance_at(*field_, place);
+    const double slope = found.gradient.norm();
+    return {found.value, slope > 0 ? Vector3d(found.gradient / slope) : Vector3d::UnitZ()};
+  }
+
+  const BodyState& other_;
+  const DistanceField* field_ = nullptr;  // none: a box
+  Eigen::Matrix3d turn_;
+  Vector3d shift_;
+  Vector3d middle_ = Vector3d::Zero(), half_;
+};
+
+/// The same above a plane.
+class FromPlane {
+ public:
+  using Place = double;  // m, height
+  FromPlane(const BodyState& sampled, const BodyState& plane)
+      : up_(up_of(plane)),
+        up_b_(sampled.rotation.transpose() * up_),
+        height_(height_above(plane, sampled.position)) {}
+
+  Place place_of(const Vector3d& p_b) const { return height_ + up_b_.dot(p_b); }
+  double at_least(Place place) const { return place; }
+  double value_at(Place place) const { return place; }
+  const Vector3d& direction_at(Place) const { return up_; }
+
+ private:
+  Vector3d up_, up_b_;
+  double height_;
+};
+
+/// Surface points of `sampled` against another body. Blocks that are too far are skipped whole.
+template <class From>
+void add_surface_points(const BodyState& sampled, const From& from, double margin,
+                        std::uint64_t id_of_side, double push_sign, Found& found) {
+  const MeshSurface& surface = *surface_of(sampled);
   const int num_blocks = static_cast<int>(surface.blocks.size());
   for (int b = 0; b < num_blocks;) {
     const SurfaceBlock& block = surface.blocks[static_cast<std::size_t>(b)];
     const bool has_parts = block.next > b + 1;
-    const Vector3d centre = sampled.position + sampled.rotation * block.centre_b;
-    const Distance far = distance_of(centre);
-    const double nearest = far.value - block.radius;
+    const auto centre = from.place_of(block.centre_b);
+    if (from.at_least(centre) - block.radius >= std::max(margin, found.gap)) {
+      b = block.next;
+      continue;
+    }
+    const double nearest = from.value_at(centre) - block.radius;
     if (nearest >= margin && (!has_parts || nearest >= found.gap)) {
       if (nearest < found.gap) {
         found.gap = nearest;
-        found.normal = push_sign * far.direction;
+        found.normal = push_sign * from.direction_at(centre);
       }
       b = block.next;
       continue;
@@ -97,16 +163,18 @@ void add_surface_points(const BodyState& sampled, const MeshSurface& surface, do
     if (has_parts) continue;
     for (int i = block.first; i < block.first + block.count; ++i) {
       const SurfacePoint& point = surface.points[static_cast<std::size_t>(i)];
-      const Vector3d p = sampled.position + sampled.rotation * point.position_b;
-      const Distance distance = distance_of(p);
-      const Vector3d push = push_sign * distance.direction;
-      if (distance.value < found.gap) {
-        found.gap = distance.value;
+      const auto place = from.place_of(point.position_b);
+      const double distance = from.value_at(place);
+      if (distance >= margin && distance >= found.gap) continue;
+      const Vector3d push = push_sign * from.direction_at(place);
+      if (distance < found.gap) {
+        found.gap = distance;
         found.normal = push;
       }
-      if (distance.value >= margin) continue;
-      found.points.push_back(
-          {id_of_side | static_cast<std::uint64_t>(i + 1), p, push, -distance.value, point.weight});
+      if (distance >= margin) continue;
+      found.points.push_back({id_of_side | static_cast<std::uint64_t>(i + 1),
+                              sampled.position + sampled.rotation * point.position_b, push,
+                              -distance, point.weight});
     }
   }
 }
@@ -129,14 +197,8 @@ void find_corner_points(const BodyState& box, const BodyState& plane, double mar
 
 void find_surface_points_on_plane(const BodyState& body, const BodyState& plane, double margin,
                                   Found& found) {
-  const Vector3d up = up_of(plane);
-  set_gap(found, std::numeric_limits<double>::infinity(), up, true);
-  add_surface_points(
-      body, *surface_of(body), margin, 0, 1,
-      [&](const Vector3d& p) {
-        return Distance{height_above(plane, p), up};
-      },
-      found);
+  set_gap(found, std::numeric_limits<double>::infinity(), up_of(plane), true);
+  add_surface_points(body, FromPlane(body, plane), margin, 0, 1, found);
 }
 
 void find_surface_points(const BodyState& a, const BodyState& b, double margin, Found& found) {
@@ -146,11 +208,8 @@ void find_surface_points(const BodyState& a, const BodyState& b, double margin, 
     set_gap(found, apart, (a.position - b.position).normalized(), false);
     return;
   }
-  add_surface_points(
-      a, *surface_of(a), margin, 0, 1, [&](const Vector3d& p) { return distance_to(b, p); }, found);
-  add_surface_points(
-      b, *surface_of(b), margin, kOfB, -1, [&](const Vector3d& p) { return distance_to(a, p); },
-      found);
+  add_surface_points(a, FromBody(a, b), margin, 0, 1, found);
+  add_surface_points(b, FromBody(b, a), margin, kOfB, -1, found);
 }
 
 void find_sphere_points(const BodyState& sphere, const BodyState& other, double margin,

@@ -32,6 +32,9 @@ constexpr double kRestShare = 0.05;
 constexpr double kLeastImpactShare = 0.05, kMostImpactShare = 0.5, kImpactSharePerBody = 0.025;
 // Of frames; see advance_islands.
 constexpr int kMostRetakes = 20;
+// Steps that a throng may next take within the bounds of its bodies.
+constexpr double kStepsPerPiece = 2;
+constexpr double kOnTime = 1e-12;  // of a frame
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -185,7 +188,6 @@ void SurfaceContacts::load_bodies(const World& world) {
     state.outside_force += force;
     state.outside_torque += arm.cross(force);
   }
-  for (BodyState& state : bodies_) state.path_low = state.path_high = state.position;
 }
 
 void SurfaceContacts::store_bodies(World& world) const {
@@ -422,15 +424,38 @@ void SurfaceContacts::advance(Island& island, double end) const {
   advance_island(island, end, settings);
 }
 
-/// Takes all islands to `end` (s); again with wider bounds until no body left its own unseen.
-void SurfaceContacts::advance_islands(World& world, double end) {
+/// How much of `longest` (s) to look for pairs over at once: a throng that takes short steps leaves
+/// bounds over a long time, and they hold pairs that it never meets.
+double SurfaceContacts::piece_of(double longest) const {
+  double least = longest;
+  for (const BodyState& body : bodies_) least = std::min(least, kStepsPerPiece * body.next_step);
+  return longest / std::ceil(longest / least - kOnTime);
+}
+
+/// Takes all islands from `start` to `end` (s) or some of the way, and returns how far. Again with
+/// wider bounds, and not as far where steps turned out short, until no body left its own unseen.
+double SurfaceContacts::advance_islands(World& world, double start, double end) {
+  double piece = piece_of(end - start);
+  const auto until = [&] { return piece < end - start ? start + piece : end; };
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    bodies_[i].path_low = bodies_[i].path_high = bodies_[i].position;
+    bounds_[i] = bounds_over(bodies_[i], piece);
+  }
+  add_pairs();
   for (int take = 0; take < kMostRetakes; ++take) {
-    make_islands(world.time);
+    make_islands(start);
     world.pool->run_ranges(static_cast<int>(islands_.size()), 1, [&](int begin, int last) {
-      for (int i = begin; i < last; ++i) advance(islands_[at(i)], end);
+      for (int i = begin; i < last; ++i) advance(islands_[at(i)], until());
     });
     if (!add_missed_pairs()) break;
+    for (const Island& island : islands_) {
+      for (int i = 0; i < island.num_free; ++i) {
+        bodies_[at(island.bodies[at(i)].index)].next_step = island.bodies[at(i)].next_step;
+      }
+    }
+    piece = std::min(piece, piece_of(end - start));
   }
+  return until();
 }
 
 /// Takes bodies, pairs and tethers back from the islands; pairs in order of their keys.
@@ -461,9 +486,9 @@ void SurfaceContacts::take_back(double time) {
   }
 }
 
-/// Adds what the islands did to the books of the run.
-StepReport SurfaceContacts::book_islands(Balance& balance) {
-  StepReport report;
+/// Adds what the islands did to the books of the run and of the step.
+void SurfaceContacts::book_islands(Balance& balance, StepReport& report) {
+  long num_contacts = 0;
   elastic_energy_ = 0;
   for (const Island& island : islands_) {
     const IslandBooks& books = island.books;
@@ -489,20 +514,19 @@ StepReport SurfaceContacts::book_islands(Balance& balance) {
     if (books.num_steps > 0 && (least_step_ <= 0 || books.least_step < least_step_)) {
       least_step_ = books.least_step;
     }
-    report.num_contacts += books.max_contacts;
+    num_contacts += books.max_contacts;
     report.max_overlap = std::max(report.max_overlap, books.max_overlap);
     if (!books.is_finite && report.nonfinite_body < 0) report.nonfinite_body = books.culprit;
   }
-  balance.max_contacts = std::max(balance.max_contacts, report.num_contacts);
+  report.num_contacts = std::max(report.num_contacts, num_contacts);
+  balance.max_contacts = std::max(balance.max_contacts, num_contacts);
   report.too_deep = report.max_overlap > 0;
-  return report;
 }
 
-/// Sets `events` to the islands' contact events as the world names them: bodies in order, planes
-/// apart; by time.
+/// Adds the islands' contact events to `events` as the world names them: bodies in order, planes
+/// apart; all by time.
 void SurfaceContacts::take_events(std::vector<ContactEvent>& events) const {
   const int num_bodies = static_cast<int>(paths_.size());
-  events.clear();
   for (const Island& island : islands_) {
     for (ContactEvent event : island.books.events) {
       if (event.body_b >= num_bodies) {
@@ -526,12 +550,14 @@ StepReport SurfaceContacts::step(World& world) {
   settings_.restitution_threshold = 2 * settings_.gravity.norm() * settings_.substep;
   load_bodies(world);
   bounds_.resize(bodies_.size());
-  for (std::size_t i = 0; i < bodies_.size(); ++i) bounds_[i] = bounds_over(bodies_[i], duration);
-  add_pairs();
-  advance_islands(world, end);
-  StepReport report = book_islands(world.balance);
-  take_events(world.contacts.events);
-  take_back(end);
+  world.contacts.events.clear();
+  StepReport report;
+  for (double time = world.time; time < end && report.nonfinite_body < 0;) {
+    time = advance_islands(world, time, end);
+    book_islands(world.balance, report);
+    take_events(world.contacts.events);
+    take_back(time);
+  }
   world.halted = report.nonfinite_body >= 0;
   if (world.halted) return report;
   store_bodies(world);

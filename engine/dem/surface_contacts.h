@@ -64,9 +64,10 @@ class SurfaceContacts {
   void make_islands(double time);
   void add_pairs_to_islands();
   void advance(Island& island, double end) const;
-  void advance_islands(World& world, double end);
+  double piece_of(double longest) const;
+  double advance_islands(World& world, double start, double end);
   void take_back(double time);
-  StepReport book_islands(Balance& balance);
+  void book_islands(Balance& balance, StepReport& report);
   void take_events(std::vector<ContactEvent>& events) const;
 
   ContactSettings settings_;

@@ -31,6 +31,7 @@ std::vector<dem::SurfacePoint> weighted_points(const std::vector<shape::SurfaceS
   std::vector<dem::SurfacePoint> points;
   points.reserve(samples.size());
   for (const shape::SurfaceSample& sample : samples) {
+    if (sample.is_framed) continue;
     const double weight = (sample.is_vertex ? 1.0 : 0.0) + sample.edge_length / reference_length +
                           sample.area / (reference_length * reference_length);
     points.push_back({sample.position, weight});

@@ -22,6 +22,9 @@ constexpr double kSmallArea = 0.5;    // of spacing^2
 constexpr double kSmallLength = 0.5;  // of spacing
 // Pieces cut off by rounding: less than this share of the triangle or edge.
 constexpr double kNothing = 1e-12;
+constexpr double kFlatAngle = 1e-6;  // rad, between triangles of one flat face
+// Between large flat faces: 3 degrees. A blunter edge rises by less than 1/40 of the way to it.
+constexpr double kBluntAngle = 0.0523598775598299;  // rad
 
 using Polygon = std::vector<Eigen::Vector3d>;
 
@@ -122,6 +125,59 @@ bool crosses_column(Eigen::Vector3d a, Eigen::Vector3d b, const Lattice& lattice
     b = part[part.size() > 1 ? 1 : 0];  // later points repeat these two
   }
   return true;
+}
+
+// ---- flat faces
+
+struct FlatFaces {
+  std::vector<std::size_t> of_triangle;
+  std::vector<bool> is_large;  // at least 3 x 3 squares of the lattice
+};
+
+FlatFaces find_flat_faces(const std::vector<FaceShape>& faces, const std::vector<MeshEdge>& edges,
+                          double spacing) {
+  JoinedSets sets(faces.size());
+  for (const MeshEdge& edge : edges) {
+    if (edge.triangles[1] < 0 || edge.angle > kFlatAngle) continue;
+    sets.join(static_cast<std::size_t>(edge.triangles[0]),
+              static_cast<std::size_t>(edge.triangles[1]));
+  }
+  FlatFaces flat;
+  std::vector<double> area(faces.size(), 0);
+  for (std::size_t t = 0; t < faces.size(); ++t) {
+    flat.of_triangle.push_back(sets.find(t));
+    area[flat.of_triangle[t]] += faces[t].area;
+  }
+  for (const double a : area) flat.is_large.push_back(a >= 9 * spacing * spacing);
+  return flat;
+}
+
+// The edges that count as such: sharp ones, and blunt ones of two large flat faces, which are no
+// part of a curved surface.
+std::vector<bool> find_marked(const std::vector<MeshEdge>& edges, const FlatFaces& flat) {
+  const auto is_large = [&](int triangle) {
+    return triangle >= 0 && flat.is_large[flat.of_triangle[static_cast<std::size_t>(triangle)]];
+  };
+  std::vector<bool> marked;
+  for (const MeshEdge& edge : edges) {
+    const bool is_blunt =
+        edge.angle > kBluntAngle && is_large(edge.triangles[0]) && is_large(edge.triangles[1]);
+    marked.push_back(edge.is_sharp() || is_blunt);
+  }
+  return marked;
+}
+
+// The large flat faces whose edges are all marked.
+std::vector<bool> find_framed(const std::vector<MeshEdge>& edges, const std::vector<bool>& marked,
+                              const FlatFaces& flat) {
+  std::vector<bool> framed = flat.is_large;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (marked[e] || (edges[e].triangles[1] >= 0 && edges[e].angle <= kFlatAngle)) continue;
+    for (const int triangle : edges[e].triangles) {
+      if (triangle >= 0) framed[flat.of_triangle[static_cast<std::size_t>(triangle)]] = false;
+    }
+  }
+  return framed;
 }
 
 // ---- faces
@@ -231,7 +287,8 @@ Eigen::Vector3d place_on_pieces(const Cluster& cluster, Closest closest) {
 }
 
 void sample_faces(const Mesh& mesh, const std::vector<FaceShape>& faces,
-                  const std::vector<MeshEdge>& edges, const Lattice& lattice,
+                  const std::vector<MeshEdge>& edges, const FlatFaces& flat,
+                  const std::vector<bool>& framed, const Lattice& lattice,
                   std::vector<SurfaceSample>& samples) {
   const std::vector<FacePiece> pieces = cut_faces(mesh, faces, lattice);
   JoinedSets sets = join_faces(mesh, faces, edges, lattice, pieces);
@@ -251,8 +308,12 @@ void sample_faces(const Mesh& mesh, const std::vector<FaceShape>& faces,
       }
       return best;
     };
-    samples.push_back(
-        {place_on_pieces(cluster, closest), cluster.normal.normalized(), cluster.weight, 0, false});
+    const bool is_framed =
+        std::all_of(cluster.pieces.begin(), cluster.pieces.end(), [&](std::size_t piece) {
+          return framed[flat.of_triangle[static_cast<std::size_t>(pieces[piece].triangle)]];
+        });
+    samples.push_back({place_on_pieces(cluster, closest), cluster.normal.normalized(),
+                       cluster.weight, 0, false, is_framed});
   }
 }
 
@@ -267,11 +328,11 @@ struct EdgePiece {
 };
 
 std::vector<EdgePiece> cut_edges(const Mesh& mesh, const std::vector<MeshEdge>& edges,
-                                 const Lattice& lattice) {
+                                 const std::vector<bool>& marked, const Lattice& lattice) {
   std::vector<EdgePiece> pieces;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const MeshEdge& edge = edges[e];
-    if (!edge.is_sharp() || !edge.is_convex) continue;
+    if (!marked[e] || !edge.is_convex) continue;
     const Eigen::Vector3d& a = mesh.vertices[edge.vertices[0]];
     const Eigen::Vector3d& b = mesh.vertices[edge.vertices[1]];
     const int axis = dominant_axis(b - a);
@@ -327,9 +388,9 @@ JoinedSets join_edges(const Mesh& mesh, const std::vector<MeshEdge>& edges, cons
 }
 
 void sample_edges(const Mesh& mesh, const std::vector<FaceShape>& faces,
-                  const std::vector<MeshEdge>& edges, const Lattice& lattice,
-                  std::vector<SurfaceSample>& samples) {
-  const std::vector<EdgePiece> pieces = cut_edges(mesh, edges, lattice);
+                  const std::vector<MeshEdge>& edges, const std::vector<bool>& marked,
+                  const Lattice& lattice, std::vector<SurfaceSample>& samples) {
+  const std::vector<EdgePiece> pieces = cut_edges(mesh, edges, marked, lattice);
   JoinedSets sets = join_edges(mesh, edges, lattice, pieces);
   std::map<std::size_t, Cluster> clusters;
   for (std::size_t p = 0; p < pieces.size(); ++p) {
@@ -387,8 +448,10 @@ std::vector<SurfaceSample> sample_surface(const Mesh& mesh, double spacing) {
   const Lattice lattice = lattice_over(mesh, spacing);
   const std::vector<MeshEdge> edges = mesh_edges(mesh, faces);
   std::vector<SurfaceSample> samples;
-  sample_faces(mesh, faces, edges, lattice, samples);
-  sample_edges(mesh, faces, edges, lattice, samples);
+  const FlatFaces flat = find_flat_faces(faces, edges, spacing);
+  const std::vector<bool> marked = find_marked(edges, flat);
+  sample_faces(mesh, faces, edges, flat, find_framed(edges, marked, flat), lattice, samples);
+  sample_edges(mesh, faces, edges, marked, lattice, samples);
   sample_corners(mesh, faces, lattice, samples);
   return samples;
 }

@@ -125,6 +125,25 @@ TEST_CASE("areas_and_lengths_sum_to_those_of_the_mesh") {
   }
 }
 
+TEST_CASE("flat_faces_with_edges_all_round_are_framed_and_curved_ones_are_not") {
+  const auto count_framed = [](const Mesh& mesh, double spacing) {
+    const std::vector<SurfaceSample> samples = sample_surface(mesh, spacing);
+    return std::count_if(samples.begin(), samples.end(),
+                         [](const SurfaceSample& s) { return s.is_framed; });
+  };
+  CHECK(count_framed(box_mesh({1, 1, 1}), 0.25) == 6 * 16);
+  CHECK(count_framed(box_mesh({1, 1, 1}), 0.4) == 0);  // 2.5 squares wide
+  CHECK(count_framed(torus_mesh(1, 0.3, 40, 20), 0.05) == 0);
+  // A ridge of 4.6 degrees: an edge between its wide slopes, and none once they are narrow.
+  const Mesh ridge{{{0, -1, 0}, {0, 1, 0}, {0, 0, 0.04}, {3, -1, 0}, {3, 1, 0}, {3, 0, 0.04}},
+                   roof_mesh().triangles};
+  const double edges_below = 2 * (3 + 2), rafters = 4 * std::hypot(1, 0.04);
+  CHECK(sum(sample_surface(ridge, 0.2)).length ==
+        doctest::Approx(edges_below + rafters + 3).epsilon(1e-11));
+  CHECK(sum(sample_surface(ridge, 0.9)).length ==
+        doctest::Approx(edges_below + rafters).epsilon(1e-11));
+}
+
 TEST_CASE("a_cube_has_the_samples_of_its_lattice_and_all_its_symmetries") {
   const std::vector<SurfaceSample> samples = sample_surface(box_mesh({1, 1, 1}), 0.25);
   const Sums sums = sum(samples);
