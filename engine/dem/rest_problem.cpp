@@ -37,10 +37,14 @@ struct Accuracy {
   double slip = 0;  // share of the speed that the step changes
 };
 constexpr Accuracy kResting{1e-9, 1e-6, 4}, kMoving{5e-4, 5e-2, 3, 2e-2};
+// Of the speed that the step changes: least that its solution is measured by.
+constexpr double kLeastSeen = 1e-3;
 // Enough to see which springs are overloaded.
 constexpr Accuracy kRough{0.2, 0.1, 2, 5e-2};
 // Residual at the start of a step, as a share of the weights, from where a crowd counts as moving.
 constexpr double kCalm = 1e-5;
+// And below which it is known well enough who slides where.
+constexpr double kStill = 0.1;
 // A friction this close to its bound is at it: rounding may leave it just below.
 constexpr double kAtBound = 1e-9;
 // Block products of a factorisation, per edge, above which gradients are cheaper.
@@ -248,6 +252,13 @@ double RestProblem::expected_speed_change() const {
   return std::sqrt(sum / static_cast<double>(fastest.size()));
 }
 
+/// Rms over bodies of their speed (m/s) at the start of the step.
+double RestProblem::start_speed() const {
+  double sum = 0;
+  for (const Vector6& v : start_) sum += v.head<3>().squaredNorm();
+  return std::sqrt(sum / static_cast<double>(start_.size()));
+}
+
 RestProblem::Outcome RestProblem::solve(bool is_rough) {
   Outcome outcome;
   std::vector<Vector6>&gradient = gradient_, &direction = direction_;
@@ -263,8 +274,12 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
       if (is_moving_) speed_change_ = std::min(residual * gravity_ * h_, expected_speed_change());
     }
     if (!is_rough && is_moving_) accuracy = kMoving;
-    const double last_slip = is_moving_ ? accuracy.slip * speed_change_ : 0;
-    if (is_moving_ && pass == 0) {
+    // What all but lies must neither creep nor gain energy for what moves a little.
+    const double seen_speed =
+        is_rough ? speed_change_
+                 : std::clamp(start_speed(), kLeastSeen * speed_change_, speed_change_);
+    const double last_slip = is_moving_ ? accuracy.slip * seen_speed : 0;
+    if (is_moving_ && pass == 0 && residual > kStill) {
       soften((is_first_ ? kFirstSlip : kSlipAgain) * speed_change_);
       evaluate(v_, gradient);
       residual = scaled_residual(gradient);
@@ -272,7 +287,7 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
     is_first_ = false;
     const double start = residual;
     const double enough =
-        std::max(tolerance, accuracy.gain * (is_moving_ ? speed_change_ / (gravity_ * h_) : start));
+        std::max(tolerance, accuracy.gain * (is_moving_ ? seen_speed / (gravity_ * h_) : start));
     double share = kSlidingShare;
     outcome.converged =
         slip_speed_ <= last_slip && residual <= (pass == 0 && !is_moving_ ? tolerance : enough);

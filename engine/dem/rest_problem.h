@@ -44,6 +44,7 @@ class RestProblem {
   double line_search(const std::vector<Vector6>& gradient, const std::vector<Vector6>& direction);
   double scaled_residual(const std::vector<Vector6>& gradient) const;
   double expected_speed_change() const;
+  double start_speed() const;
   void soften(double speed);
   void apply_mass(std::vector<Vector6>& v) const;
 

@@ -152,6 +152,15 @@ bool stiffen_overloaded(RestProblem& problem, Island& island, const ContactSetti
   return is_raised;
 }
 
+/// Leaves out the offsets of bodies that something presses on.
+void leave_to_fliers(const std::vector<RestRow>& rows, std::vector<Vector6>& shift) {
+  for (const RestRow& row : rows) {
+    if (row.load <= 0) continue;
+    if (row.a >= 0) shift[at(row.a)].setZero();
+    if (row.b >= 0) shift[at(row.b)].setZero();
+  }
+}
+
 /// Leaves out the offsets of bodies that they would push into surfaces that the solution keeps
 /// apart or presses in less.
 void stop_at_surfaces(const std::vector<RestRow>& rows, const std::vector<Vector6>& end, double h,
@@ -198,7 +207,10 @@ double move(RestProblem& problem, Island& island, double h, const ContactSetting
     impact = std::max(impact, -row.normal.dot(relative_velocity(row, start)));
   }
   const bool is_smooth = impact <= least_impact_speed(settings);
-  if (is_smooth && largest > kUnseenShift * settings.rest_depth) {
+  if (is_throng(island)) {
+    leave_to_fliers(problem.rows(), shift);
+    stop_at_surfaces(problem.rows(), end, h, settings.rest_depth, shift);
+  } else if (is_smooth && largest > kUnseenShift * settings.rest_depth) {
     problem.project(shift);
     stop_at_surfaces(problem.rows(), end, h, settings.rest_depth, shift);
   } else {
