@@ -121,6 +121,14 @@ double known_step(const Island& island, double longest) {
   return longest;
 }
 
+/// Keeps what is known of the next implicit step, of a throng alone.
+void keep_step(Island& island, double next) {
+  if (!is_throng(island)) next = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < island.num_free; ++i) {
+    island.bodies[static_cast<std::size_t>(i)].next_step = next;
+  }
+}
+
 /// Implicit steps until `end` or an impact.
 void advance_at_rest(Island& island, double end, double impact_at,
                      const ContactSettings& settings) {
@@ -143,10 +151,7 @@ void advance_at_rest(Island& island, double end, double impact_at,
     if (!is_done) advance_explicitly(island, island.time + step, 0, settings);
     if (!island.books.is_finite) return;
     longest = 2 * step;
-    if (!is_throng(island)) continue;
-    for (int i = 0; i < island.num_free; ++i) {
-      island.bodies[static_cast<std::size_t>(i)].next_step = longest;
-    }
+    keep_step(island, longest);
   }
   island.time = end;
 }
@@ -156,6 +161,7 @@ void advance_at_rest(Island& island, double end, double impact_at,
 void advance_island(Island& island, double end, const ContactSettings& settings) {
   const double impact = least_impact_speed(settings);
   const double frame = end - island.time;
+  keep_step(island, known_step(island, frame));
   while (end - island.time > kOnTime * frame) {
     const bool may_rest = settings.rests_implicitly && impact > 0 &&
                           (has_contact(island) || is_throng(island)) && !may_be_in_impact(island) &&

@@ -262,7 +262,7 @@ TEST_CASE("no_point_of_two_boxes_is_deeper_than_they_overlap_and_edges_know_corn
   tell("boxes: deepest point over overlap", deepest, num_touching, num_edges, num_with_corners);
   CHECK(num_edges > 500);
   CHECK(num_with_corners > 0.3 * num_edges);  // measured 346 of 955
-  CHECK(deepest < 1 + 1e-9);  // measured 1
+  CHECK(deepest < 1 + 1e-9);                  // measured 1
 }
 
 TEST_CASE("stiffening_keeps_every_force_and_returns_the_energy_that_it_takes") {
