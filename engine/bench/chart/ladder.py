@@ -61,7 +61,7 @@ DEM = Ladder(
             {"dt_s": 0.1, "steps_per_contact": 20, "max_penetration_m": Times(10)},
             is_quick=True,
         ),
-        Rung("dt 1/4, pen x10", {"dt_s": 0.25, "max_penetration_m": Times(10)}),
+        Rung("dt 1/4, pen x4", {"dt_s": 0.25, "max_penetration_m": Times(4)}, is_quick=True),
         Rung("dt 1/4, pen /10", {"dt_s": 0.25, "max_penetration_m": Times(0.1)}, is_quick=True),
         Rung("dt 1/30, pen x10", {"dt_s": 1 / 30, "max_penetration_m": Times(10)}),
         Rung("dt 1/60, 20 steps", {"dt_s": 1 / 60, "steps_per_contact": 20}, is_quick=True),
