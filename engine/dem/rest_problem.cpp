@@ -17,10 +17,12 @@ using Eigen::Vector3d;
 // Loaded springs are damped by three steps' worth of their stiffness: what is pressed in comes out
 // at depth / (4 h) at the fastest.
 constexpr double kNormalSteps = 3;
-// A sliding contact has no stiffness along its slip. At first the matrix leaves it half of what it
-// would have stuck, then half as much after each whole step (the true matrix converges), and more
-// after a short one (who slides where is not found yet).
+// A sliding contact has no stiffness along its slip. Near the solution the matrix has none (Newton
+// converges); far from it, where who slides where is not found yet, it leaves half of what it would
+// have stuck, then half as much after each whole step and more after a short one.
 constexpr double kSlidingShare = 0.5, kWholeStep = 0.9, kShortStep = 0.2;
+// Residual, as a share of the weights, that counts as near.
+constexpr double kNear = 1;
 // Where much moves, who slides where is found with friction that gives way at a speed first, as a
 // share of the speed that the step changes; then it hardens by this factor per Newton step.
 constexpr double kFirstSlip = 0.1, kSlipAgain = 1e-2, kHardening = 0.2, kLongStep = 0.5;
@@ -288,7 +290,7 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
     const double start = residual;
     const double enough =
         std::max(tolerance, accuracy.gain * (is_moving_ ? seen_speed / (gravity_ * h_) : start));
-    double share = kSlidingShare;
+    double share = residual < kNear ? 1 : kSlidingShare;
     outcome.converged =
         slip_speed_ <= last_slip && residual <= (pass == 0 && !is_moving_ ? tolerance : enough);
     double best = residual;
