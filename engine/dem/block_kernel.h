@@ -43,14 +43,43 @@ VERISIM_INLINE double dot(const Six& x, const Six& y) {
 }
 VERISIM_INLINE Six zero_six() { return {Lanes{0, 0, 0, 0}, Six::Two{0, 0}}; }
 
-/// c -= a b^T; the last two may be one.
-VERISIM_INLINE void subtract_product(const Matrix6& a, const Matrix6& b, Matrix6& c) {
-  Six column[6];
-  for (int k = 0; k < 6; ++k) column[k] = load_six(a.data() + 6 * k);
-  for (int j = 0; j < 6; ++j) {
-    Six sum = load_six(c.data() + 6 * j);
-    for (int k = 0; k < 6; ++k) subtract_scaled(column[k], b.data()[6 * k + j], sum);
-    store_six(sum, c.data() + 6 * j);
+/// c -= sum a b^T over `count` pairs of blocks: those at a and b from each of `starts`. Rows 0 to 3
+/// of a column are a register of their own, rows 4 and 5 share one with those of the next column.
+VERISIM_INLINE void subtract_products(const Matrix6* blocks, const int* starts, int count, int a,
+                                      int b, Matrix6& c) {
+  using Two = Six::Two;
+  Lanes upper[6], lower[3];
+  const auto load_two = [](const double* numbers) {
+    Two two;
+    std::memcpy(&two, numbers, sizeof(two));
+    return two;
+  };
+  for (int j = 0; j < 6; ++j) std::memcpy(&upper[j], c.data() + 6 * j, sizeof(Lanes));
+  for (int j = 0; j < 3; ++j) {
+    lower[j] = __builtin_shufflevector(load_two(c.data() + 12 * j + 4),
+                                       load_two(c.data() + 12 * j + 10), 0, 1, 2, 3);
+  }
+  for (int i = 0; i < count; ++i) {
+    const double* of_a = blocks[starts[i] + a].data();
+    const double* of_b = blocks[starts[i] + b].data();
+#pragma GCC unroll 1
+    for (int k = 0; k < 6; ++k, of_a += 6, of_b += 6) {
+      Lanes rows;
+      std::memcpy(&rows, of_a, sizeof(rows));
+      for (int j = 0; j < 6; ++j) upper[j] -= rows * of_b[j];
+      const Two last = load_two(of_a + 4);
+      const Lanes twice = __builtin_shufflevector(last, last, 0, 1, 0, 1);
+      for (int j = 0; j < 3; ++j) {
+        const Two pair = load_two(of_b + 2 * j);
+        lower[j] -= twice * __builtin_shufflevector(pair, pair, 0, 0, 1, 1);
+      }
+    }
+  }
+  for (int j = 0; j < 6; ++j) std::memcpy(c.data() + 6 * j, &upper[j], sizeof(Lanes));
+  for (int j = 0; j < 3; ++j) {
+    std::memcpy(c.data() + 12 * j + 4, &lower[j], sizeof(Two));
+    std::memcpy(c.data() + 12 * j + 10, reinterpret_cast<const char*>(&lower[j]) + sizeof(Two),
+                sizeof(Two));
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "dem/block_matrix.h"
+#include "dem/block_cholesky.h"
 #include "dem/island.h"
 #include "dem/rest_rows.h"
 

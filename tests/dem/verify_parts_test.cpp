@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "dem/block_matrix.h"
+#include "dem/block_cholesky.h"
 #include "dem/contact_tracking.h"
 #include "dem/restitution.h"
 #include "dem/surface_contact.h"
