@@ -17,6 +17,8 @@ using Eigen::Vector3d;
 // Another axis must show less overlap by this share of the smaller box to take over: far below the
 // depths that matter, it keeps contacts of two equal faces from flickering.
 constexpr double kAxisHysteresis = 1e-6;
+// And the last one holds on where it shows more overlap by up to this share.
+constexpr double kOverlapMemory = 0.05;
 // Two edges closer to parallel than this (rad) leave the contact to faces.
 constexpr double kLeastEdgeAngle = 1e-3;
 // Faces this close to parallel (cosine, 10 degrees) meet as faces even where two crossing edges
@@ -76,7 +78,8 @@ Separations separations_of(const Box& a, const Box& b, int last_axis) {
     if (candidate.gap > best.gap + (best.axis >= 0 ? step : 0)) best = candidate;
   };
   const auto best_with_memory = [&] {
-    return last.axis >= 0 && last.gap > best.gap - 2 * step ? last : best;
+    const double worse = 2 * step + kOverlapMemory * std::max(0.0, -best.gap);
+    return last.axis >= 0 && last.gap > best.gap - worse ? last : best;
   };
   for (int i = 0; i < 3; ++i) offer(separation_along(a, b, a.axis(i), i));
   for (int i = 0; i < 3; ++i) offer(separation_along(a, b, b.axis(i), 3 + i));
@@ -293,7 +296,8 @@ void find_box_points(const BodyState& a, const BodyState& b, double margin, int 
     add_points_of_face(false);
     double deepest = -margin;
     for (const FoundPoint& point : found.points) deepest = std::max(deepest, point.depth);
-    if ((along > kParallelFaces || meets_parallel_face(box_a, box_b, face)) &&
+    // Edges that met at the last look go on: corners that hold now would not without them.
+    if (last_axis < 6 && (along > kParallelFaces || meets_parallel_face(box_a, box_b, face)) &&
         !found.points.empty() && deepest >= kParallelFaces * overlap) {
       return;
     }
@@ -301,15 +305,20 @@ void find_box_points(const BodyState& a, const BodyState& b, double margin, int 
   const std::size_t num_corners = found.points.size();
   found.axis = any.axis;
   add_edge_point(box_a, box_b, any, margin, found);
-  // The corners of the face hold what turns about the edges' one point. Those that are that point,
-  // or deeper than the boxes overlap, do not.
-  const Vector3d edge_place = found.points.back().place;
+  // The corners of the face hold what turns about the edges' one point, but those that are deeper
+  // than the boxes overlap. One that is that point lends it its name: faces and edges take turns
+  // unnoticed.
+  FoundPoint& edge_point = found.points.back();
   const double same_place = kSamePlace * std::min(box_a.half.minCoeff(), box_b.half.minCoeff());
-  const auto is_out = [&](const FoundPoint& point) {
-    return point.depth > overlap || (point.place - edge_place).norm() < same_place;
+  const double deepest_corner = (1 + kOverlapMemory) * overlap;
+  const auto is_out = [&](const FoundPoint& corner) {
+    const bool is_edge_point = (corner.place - edge_point.place).norm() < same_place;
+    if (is_edge_point) edge_point.id = corner.id;
+    return is_edge_point || corner.depth > deepest_corner;
   };
   const auto end_of_corners = found.points.begin() + static_cast<std::ptrdiff_t>(num_corners);
-  found.points.erase(std::remove_if(found.points.begin(), end_of_corners, is_out), end_of_corners);
+  const auto kept = std::remove_if(found.points.begin(), end_of_corners, is_out);
+  found.points.erase(kept, end_of_corners);
 }
 
 }  // namespace verisim::dem
