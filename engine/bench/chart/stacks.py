@@ -83,7 +83,7 @@ def _pile(columns: int, layers: int, settles_s: float = 6, measured_s: float = 2
     )
 
 
-def _tumbled_at_rest(count: int, settles_s: float = 4, measured_s: float = 2) -> BenchScene:
+def _tumbled_at_rest(count: int, settles_s: float = 10, measured_s: float = 2) -> BenchScene:
     return BenchScene(
         f"tumbled_{count}_rest",
         f"A tumbled pile of {count} boxes at rest",
