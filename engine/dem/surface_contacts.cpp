@@ -316,10 +316,33 @@ void SurfaceContacts::add_pairs() {
   pairs_ = std::move(pairs);
 }
 
+/// What meets a body that left its bounds may go on along the same way, and so may what that meets
+/// (a row of balls).
+void SurfaceContacts::pass_on_pushes() {
+  const auto pass = [&](int from, int to) {
+    const Vector3d& push = scratch_.pushes[at(from)];
+    if (push.isZero(0) || !scratch_.pushes[at(to)].isZero(0) || !bodies_[at(to)].is_free()) {
+      return false;
+    }
+    scratch_.pushes[at(to)] = push;
+    bounds_[at(to)].low += push.cwiseMin(0);
+    bounds_[at(to)].high += push.cwiseMax(0);
+    return true;
+  };
+  for (bool is_any = true; is_any;) {
+    is_any = false;
+    for (const ContactPair& pair : pairs_) {
+      is_any = pass(pair.a, pair.b) || pass(pair.b, pair.a) || is_any;
+    }
+    if (is_any) add_pairs();
+  }
+}
+
 /// Widens the bounds of bodies that left theirs; true if that makes a pair that was not looked at.
 bool SurfaceContacts::add_missed_pairs() {
   bool has_any_left = false;
-  const auto widen = [&](const BodyState& body) {
+  scratch_.pushes.assign(bodies_.size(), Vector3d::Zero());
+  const auto widen = [&](const BodyState& body, bool is_pushing) {
     Bounds& bounds = bounds_[at(body.index)];
     const Vector3d extents = extents_of(body).cwiseMax(extents_of(bodies_[at(body.index)]));
     const Vector3d low = body.path_low - extents, high = body.path_high + extents;
@@ -330,14 +353,18 @@ bool SurfaceContacts::add_missed_pairs() {
     bounds.low = bounds.low.cwiseMin(low - Vector3d::Constant(margin));
     bounds.high = bounds.high.cwiseMax(high + Vector3d::Constant(margin));
     has_any_left = true;
+    if (is_pushing)
+      scratch_.pushes[at(body.index)] = body.position - bodies_[at(body.index)].position;
   };
   for (const Island& island : islands_) {
-    for (int i = 0; i < island.num_free; ++i) widen(island.bodies[at(i)]);
+    for (int i = 0; i < island.num_free; ++i) widen(island.bodies[at(i)], !is_throng(island));
   }
   if (!has_any_left) return false;
   const std::size_t before = pairs_.size();
   add_pairs();
-  return pairs_.size() > before;
+  if (pairs_.size() == before) return false;
+  pass_on_pushes();
+  return true;
 }
 
 /// Sets islands_ to copies of all bodies and pairs at `time` (s).

@@ -54,6 +54,7 @@ class SurfaceContacts {
     std::vector<int> order;                         // of bodies in a sweep
     std::vector<int> parents, island_of, local_of;  // [B + P]
     std::vector<std::size_t> num_pairs;             // of each island
+    std::vector<Eigen::Vector3d> pushes;            // [B + P] m, way of what left its bounds
   };
   void load_bodies(const World& world);
   void store_bodies(World& world) const;
@@ -61,6 +62,7 @@ class SurfaceContacts {
   PairLaw law_of(int a, int b) const;
   void add_pairs();
   bool add_missed_pairs();
+  void pass_on_pushes();
   void make_islands(double time);
   void add_pairs_to_islands();
   void advance(Island& island, double end) const;
