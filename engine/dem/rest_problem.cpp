@@ -51,8 +51,8 @@ constexpr double kStill = 0.1;
 constexpr double kAtBound = 1e-9;
 // Block products of a factorisation, per edge, above which gradients are cheaper.
 constexpr double kMostFill = 100;
-constexpr double kTightResidual = 1e-9, kLooseResidual = 1e-6;
-constexpr int kManyBodies = 300;
+// Residual, as a share of the weights, that counts as solved. Looser ones keep a pile moving.
+constexpr double kSolved = 1e-9;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -264,8 +264,6 @@ double RestProblem::start_speed() const {
 RestProblem::Outcome RestProblem::solve(bool is_rough) {
   Outcome outcome;
   std::vector<Vector6>&gradient = gradient_, &direction = direction_;
-  const bool is_small = island_->num_free < kManyBodies;
-  const double tolerance = is_small ? kTightResidual : kLooseResidual;
   Accuracy accuracy = is_rough ? kRough : kResting;
   for (int pass = 0; pass < accuracy.most_passes; ++pass) {
     evaluate(v_, gradient);
@@ -289,10 +287,10 @@ RestProblem::Outcome RestProblem::solve(bool is_rough) {
     is_first_ = false;
     const double start = residual;
     const double enough =
-        std::max(tolerance, accuracy.gain * (is_moving_ ? seen_speed / (gravity_ * h_) : start));
+        std::max(kSolved, accuracy.gain * (is_moving_ ? seen_speed / (gravity_ * h_) : start));
     double share = residual < kNear ? 1 : kSlidingShare;
     outcome.converged =
-        slip_speed_ <= last_slip && residual <= (pass == 0 && !is_moving_ ? tolerance : enough);
+        slip_speed_ <= last_slip && residual <= (pass == 0 && !is_moving_ ? kSolved : enough);
     double best = residual;
     best_ = v_;
     int stalled = 0;
