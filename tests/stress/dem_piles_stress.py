@@ -20,7 +20,7 @@ from drops import Outcome, run_scenes, write_scene
 from impacts import Impact, judge
 from piles import IMPACTS, PENETRATIONS_M
 
-from verisim.bench.chart.generated import EDGE_M, stacked_pile, tumbled_pile
+from verisim.bench.chart.generated import EDGE_M, stacked_pile, tumbled_pile, tumbled_rest
 from verisim.bench.chart.overlap import overlaps
 
 SPEED_M_S = 1e-5  # mean, at rest
@@ -86,6 +86,20 @@ def test_a_hundred_tumbled_boxes_rest(tmp_path: Path) -> None:
     assert pile.mean_m_s < SPEED_M_S
     assert pile.mean_m < 0.2e-3
     assert pile.max_m < 1.2e-3
+
+
+@pytest.mark.timeout(900)
+def test_a_thousand_tumbled_boxes_lie_still(tmp_path: Path) -> None:
+    # Rapier stiff at 1/60 s: 0.43 / 5.2 mm, mean speed 4e-6 m/s.
+    overrides = ["physics.dt_s=0.1", "physics.max_penetration_m=5e-3"]
+    (outcome,) = run_scenes(
+        [write_scene(tmp_path, tumbled_rest(1000, 8))], 600, overrides=overrides
+    )
+    pile = measure(outcome)
+    assert outcome.code is None
+    assert pile.mean_m_s < 1e-8  # measured 1.5e-11; with steps solved to 1e-6 only 3e-7
+    assert pile.mean_m < 0.2e-3
+    assert pile.max_m < 0.5e-3
 
 
 @pytest.mark.timeout(900)
